@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from measured import EMPS, KUKA, UR10, UR10_MAPPING, emps_mapping, kuka_mapping
 
-from cutpoint.identification import aligned, derivative, low_passed, noise_cutoff, read_recording, skews
+from cutpoint.identification import aligned, derivative, joined, low_passed, noise_cutoff, read_recording, skews
 
 
 @pytest.mark.parametrize("run", ["run_a.mat", "run_b.mat"])
@@ -17,6 +17,14 @@ def test_the_link_encoders_of_an_arm_are_three_milliseconds_late(run: str):
     for skew in found.values():
         assert 2.75e-3 <= skew.delay <= 3.15e-3
         assert 0.0 < skew.uncertainty < 0.25e-3
+
+
+def test_both_runs_together_tell_the_delay_of_each():
+    runs = [read_recording(KUKA / run, kuka_mapping(KUKA / run)) for run in ("run_a.mat", "run_b.mat")]
+    both, *each = (skews(recording) for recording in (joined(runs), *runs))
+    for joint, skew in both.items():
+        for alone in each:
+            assert abs(skew.delay - alone[joint].delay) < skew.uncertainty + alone[joint].uncertainty
 
 
 @pytest.mark.parametrize("run", ["run_a.mat", "run_b.mat"])
