@@ -21,13 +21,12 @@ from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
+from cutpoint.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from cutpoint import analysis, control, derivatives, formats, identification, robots, simulation, trajectories
     from cutpoint.loading import load
     from cutpoint.simulation import Log, Sensors, State, simulate, simulate_many
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",

@@ -10,7 +10,7 @@ KERNELS = Path(cutpoint.kernels.__file__).parent
 ROOMS = ("graphs", "lowering", "machine", "arrays", "programs", "targets")
 """Each is built on those before it."""
 
-EVERYWHERE = ("cutpoint.__version__", "cutpoint.callers.", "cutpoint.errors.", "cutpoint.files.", "cutpoint.scalars")
+EVERYWHERE = ("cutpoint.version.", "cutpoint.callers.", "cutpoint.errors.", "cutpoint.files.", "cutpoint.scalars")
 """What kernels take of the rest of the package: its version, the user's line, errors, files and scalars."""
 
 

@@ -8,12 +8,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
 from cutpoint.reporting.html import Heading, html
 from cutpoint.reporting.page import Page, plain
 from cutpoint.reporting.style import png
+from cutpoint.version import __version__
 
 
 def checked_folder(output: Path, name: str, study: str) -> Path:
@@ -76,7 +76,7 @@ def _results(pages: Sequence[Page]) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Versions of the numerical packages that are installed."""
-    found = {"cutpoint": cutpoint.__version__, "Python": platform.python_version()}
+    found = {"cutpoint": __version__, "Python": platform.python_version()}
     for name in ("numpy", "scipy", "llvmlite", "matplotlib"):
         with suppress(PackageNotFoundError):
             found[name] = version(name)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-import cutpoint
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
 from cutpoint.formats.drive_file_writing import remarked_drives
@@ -20,6 +19,7 @@ from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
 from cutpoint.robot import Robot
+from cutpoint.version import __version__
 
 FILES = ("robot.urdf", "robot.inertias.json", "robot.drives.yaml", "parameters.json", "report.html")
 
@@ -62,7 +62,7 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
             remarks[number.joint][number.path] = number.remark
     offsets = [note for number in found.numbers if (note := _offset(number))]
     notes += offsets
-    heading = [f"Identified by cutpoint {cutpoint.__version__}; remarks are intervals of 95 %, as the log alone tells."]
+    heading = [f"Identified by cutpoint {__version__}; remarks are intervals of 95 %, as the log alone tells."]
     heading += offsets
     try:
         files["robot.drives.yaml"] = remarked_drives(found.robot.drives, remarks, heading).encode()
@@ -113,7 +113,7 @@ def _sheet(found: Identification, notes: list[str]) -> Mapping[str, Any]:
     }
     ratios = [{name: _finite(x) for name, x in ratio._asdict().items()} for ratio in errors.to_plain()]
     return {
-        "cutpoint": cutpoint.__version__,
+        "cutpoint": __version__,
         "robot": found.robot.name,
         "joints": list(joints),
         "torque_units": [*at_joints(found.robot, "N m").values()],

@@ -19,6 +19,7 @@ from cutpoint.kernels.machine.cache import Cache, key_of, user_folder
 from cutpoint.kernels.machine.forks import new_lock
 from cutpoint.kernels.machine.loading_time import LOADED_AT
 from cutpoint.kernels.machine.waiting import interruptible
+from cutpoint.version import __version__
 
 OPTIMISATION = 2  # of the code generator; 1 and 3 were measured to be faster neither to compile nor to run
 _LINKS = 64
@@ -102,8 +103,6 @@ def _emitted(ir: str, optimisation: int) -> bytes:
 @cache
 def _surroundings() -> tuple[str, ...]:
     """Everything, apart from its text, that determines a module's code."""
-    from cutpoint import __version__
-
     versions = (__version__, llvmlite.__version__, str(binding.llvm_version_info))
     return (*versions, _machine(OPTIMISATION).triple, *_processor(), _RELOCATION, _MODEL)
 

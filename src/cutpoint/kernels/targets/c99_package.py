@@ -14,6 +14,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets.c99 import Source, source_of
 from cutpoint.kernels.targets.c99_texts import Notes, texts
 from cutpoint.kernels.targets.package_files import check_gives_numbers, folder_of, is_ours, write_files
+from cutpoint.version import __version__
 
 _SCALES = (0.0, 1e-300, 1e-40, 1e-8, *[1e-3] * 4, *[1.0] * 8, 1e3)
 """Of the check's random inputs, a case each: what remembers sees small motions before large ones."""
@@ -53,8 +54,6 @@ def write_source(
     force: overwrite files that cutpoint has not written, and the package of another function.
     Raises InputError for names that C cannot take, for files in the way, and where there is no number to give back.
     """
-    from cutpoint import __version__
-
     check_gives_numbers(name, source.outputs)
     if not force:
         _check_alone(folder_of(folder), name)

@@ -10,6 +10,7 @@ from cutpoint.kernels.targets import cuda
 from cutpoint.kernels.targets.c99_texts import Notes, arguments, comment, values
 from cutpoint.kernels.targets.cuda_results import THREADS
 from cutpoint.kernels.targets.package_files import check_gives_numbers, write_files
+from cutpoint.version import __version__
 
 _NO_NOTES = Notes()
 
@@ -31,8 +32,6 @@ def write_package(
 
 
 def _texts(graph: Graph, name: str, notes: Notes) -> dict[str, str]:
-    from cutpoint import __version__
-
     code = cuda.code(name, graph)
     inputs, outputs = cuda.full(graph)
     fields = {
