@@ -1,7 +1,7 @@
 """The virtual-decomposition recursion: joint torques of a motion.  Xia (2019) eqs. (29)-(31), (44)-(53).
 
-A segment provides two steps: its motion from its parent's, and the load on its joint and its parent.  The recursion
-only calls them, outward and inward.
+`inverse_dynamics` calls three sweeps over the bodies, which follow it in this order; these call the steps of one body.
+The required motion of virtual decomposition control takes the same sweeps: it comes last.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,6 +29,100 @@ class BodyMotion:
     V: Motion
     A: Motion
     U: Mat3
+
+
+def inverse_dynamics(
+    system: System, q: Scalars, v: Scalars, a: Scalars, contact: Mapping[str, Wrench] | None = None
+) -> list[Scalar]:
+    """Joint torques of a motion, N m (N).  Xia (2019) eqs. (29)-(31), (44)-(47).
+
+    contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
+    """
+    # outward: each body moves as its parent does, and with its own joint
+    moved = motions(system, q, v, a)
+    # each body by itself: the wrench that its motion takes
+    F = net_wrenches(system, moved, v, a)
+    # inward: each body also bears its children
+    F = bear(system, [m.X for m in moved], F, contact or {})
+    return _sums(rotor_efforts(system, moved, a), joint_efforts(system, F))
+
+
+def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[BodyMotion]:
+    """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31).
+
+    a: None if v are time jets, which have it as their rates: that takes fewer operations.
+    """
+    moved: list[BodyMotion] = []
+    for body in system.segments:
+        X, zv, za = body.pose(q), body.motion(v), None if a is None else body.motion(a)
+        parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
+        axis = body.placement.rotation.T.rows[2]
+        if body.joint.turns_about_z and sum(map(is_plain_zero, axis)) == 2:
+            moved.append(turn(X, axis, zv, parent, za))
+        else:
+            omega = X.outward(parent.V).angular + zv.angular
+            moved.append(move(X, omega, zv, parent, zv, za))
+    return moved
+
+
+def net_wrenches(
+    system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars, actual: Sequence[BodyMotion] | None = None
+) -> list[Wrench]:
+    """Net wrench of each body's motion, with the rigidly geared rotors that it carries.  Xia (2019) eqs. (47), (50).
+
+    actual: how the bodies do move, where `moved` is a required motion.
+    """
+    F = [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
+    for spin in system.spins:
+        if not spin.elastic:
+            own, omega = system.segments[spin.joint], (actual or moved)[spin.carrier].V.angular
+            F[spin.carrier] = F[spin.carrier] + spin.reaction(omega, own.speeds(v)[0], own.speeds(a)[0])
+    return F
+
+
+def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
+    """The wrench on each body through its joint, from net wrenches F*.
+
+    Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
+    """
+    F = [*F]
+    for i, F_e in handed_on(system, contact):
+        F[i] = F[i] + F_e
+    # inward: each body also carries its children's wrenches
+    for i, body in reversed([*enumerate(system.segments)]):
+        if body.parent != WORLD:
+            F[body.parent] = F[body.parent] + X[i].inward(F[i])
+    return F
+
+
+def joint_efforts(system: System, F: Sequence[Wrench]) -> list[Scalar]:
+    """z^T F at each joint.  Xia (2019) eq. (21)."""
+    tau: list[Scalar] = [0] * system.nv
+    for body, F_i in zip(system.segments, F, strict=True):
+        for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
+            tau[k] = tau[k] + body.gain * effort
+    return tau
+
+
+def rotor_efforts(
+    system: System, moved: Sequence[BodyMotion], a: Scalars, actual: Sequence[BodyMotion] | None = None
+) -> list[Scalar]:
+    """Torques of rigidly geared rotors at each joint.  Xia (2019) eqs. (4), (56).
+
+    actual: how the bodies do move, where `moved` is a required motion; its axes turn with them.
+    """
+    tau: list[Scalar] = [I_m * a_i for I_m, a_i in zip(system.armature, a, strict=True)]
+    for spin in system.spins:
+        if not spin.elastic:
+            k, carrier = system.segments[spin.joint].v.start, moved[spin.carrier]
+            alpha = carrier.A.angular
+            if actual is not None:
+                alpha = alpha + actual[spin.carrier].V.angular.cross(carrier.V.angular)
+            tau[k] = tau[k] + spin.along(alpha)
+    return tau
+
+
+# the steps of one body
 
 
 def move(X: Pose, omega: Vec3, zv: Motion, parent: BodyMotion, zv_r: Motion, za_r: Motion | None) -> BodyMotion:
@@ -75,42 +169,9 @@ def _origin(X: Pose, parent: BodyMotion) -> Vec3:
     return X.rotation.T @ (parent.A.linear + parent.U @ X.position)
 
 
-def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[BodyMotion]:
-    """Every body's motion, outward from the base.  Xia (2019) eqs. (29)-(31).
-
-    a: None if v are time jets, which have it as their rates: that takes fewer operations.
-    """
-    moved: list[BodyMotion] = []
-    for body in system.segments:
-        X, zv, za = body.pose(q), body.motion(v), None if a is None else body.motion(a)
-        parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
-        axis = body.placement.rotation.T.rows[2]
-        if body.joint.turns_about_z and sum(map(is_plain_zero, axis)) == 2:
-            moved.append(turn(X, axis, zv, parent, za))
-        else:
-            omega = X.outward(parent.V).angular + zv.angular
-            moved.append(move(X, omega, zv, parent, zv, za))
-    return moved
-
-
 def at_rest(system: System) -> BodyMotion:
     """The world: at rest, and accelerating upward to account for gravity."""
     return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_GRADIENT)
-
-
-def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
-    """The wrench on each body through its joint, from net wrenches F*.
-
-    Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
-    """
-    F = [*F]
-    for i, F_e in handed_on(system, contact):
-        F[i] = F[i] + F_e
-    # inward: each body also carries its children's wrenches
-    for i, body in reversed([*enumerate(system.segments)]):
-        if body.parent != WORLD:
-            F[body.parent] = F[body.parent] + X[i].inward(F[i])
-    return F
 
 
 def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
@@ -124,63 +185,12 @@ def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[i
             yield place.body, place.pose.inward(Wrench(F_e.force * system.length, F_e.moment))
 
 
-def net_wrenches(
-    system: System, moved: Sequence[BodyMotion], v: Scalars, a: Scalars, actual: Sequence[BodyMotion] | None = None
-) -> list[Wrench]:
-    """Net wrench of each body's motion, with the rigidly geared rotors that it carries.  Xia (2019) eqs. (47), (50).
-
-    actual: how the bodies do move, where `moved` is a required motion.
-    """
-    F = [net_wrench(body.inertia, m.A, m.U) for body, m in zip(system.segments, moved, strict=True)]
-    for spin in system.spins:
-        if not spin.elastic:
-            own, omega = system.segments[spin.joint], (actual or moved)[spin.carrier].V.angular
-            F[spin.carrier] = F[spin.carrier] + spin.reaction(omega, own.speeds(v)[0], own.speeds(a)[0])
-    return F
-
-
-def joint_efforts(system: System, F: Sequence[Wrench]) -> list[Scalar]:
-    """z^T F at each joint.  Xia (2019) eq. (21)."""
-    tau: list[Scalar] = [0] * system.nv
-    for body, F_i in zip(system.segments, F, strict=True):
-        for k, effort in enumerate(body.joint.effort(F_i), body.v.start):
-            tau[k] = tau[k] + body.gain * effort
-    return tau
-
-
-def rotor_efforts(
-    system: System, moved: Sequence[BodyMotion], a: Scalars, actual: Sequence[BodyMotion] | None = None
-) -> list[Scalar]:
-    """Torques of rigidly geared rotors at each joint.  Xia (2019) eqs. (4), (56).
-
-    actual: how the bodies do move, where `moved` is a required motion; its axes turn with them.
-    """
-    tau: list[Scalar] = [I_m * a_i for I_m, a_i in zip(system.armature, a, strict=True)]
-    for spin in system.spins:
-        if not spin.elastic:
-            k, carrier = system.segments[spin.joint].v.start, moved[spin.carrier]
-            alpha = carrier.A.angular
-            if actual is not None:
-                alpha = alpha + actual[spin.carrier].V.angular.cross(carrier.V.angular)
-            tau[k] = tau[k] + spin.along(alpha)
-    return tau
+# a required motion, of a robot that moves otherwise
 
 
 def quasi_rigid(system: System) -> System:
     """The system whose elastic drives' rotors act on their carriers as if their drives were rigid."""
     return replace(system, spins=tuple(replace(spin, elastic=False) for spin in system.spins))
-
-
-def inverse_dynamics(
-    system: System, q: Scalars, v: Scalars, a: Scalars, contact: Mapping[str, Wrench] | None = None
-) -> list[Scalar]:
-    """Joint torques of a motion, N m (N).  Xia (2019) eqs. (29)-(31), (44)-(47).
-
-    contact: F_e by frame name, the wrench that the robot exerts on the environment there, in that frame's axes.
-    """
-    moved = motions(system, q, v, a)
-    F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), contact or {})
-    return _sums(rotor_efforts(system, moved, a), joint_efforts(system, F))
 
 
 def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
@@ -231,13 +241,13 @@ def required_motions(
     return actual, required
 
 
-def _sums(x: Scalars, y: Scalars) -> list[Scalar]:
-    return [a + b for a, b in zip(x, y, strict=True)]
-
-
 def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
     """K (V_r - V), K in the body's own axes.  Xia (2019) eqs. (15)-(17)."""
     lag = [*body.in_own_axes(V_r - V)]
     pulled = [sum((k * x for k, x in zip(row, lag, strict=True)), 0) for row in K]
     R_T = body.turn.T
     return Wrench(R_T @ Vec3(*pulled[:3]), R_T @ Vec3(*pulled[3:]))
+
+
+def _sums(x: Scalars, y: Scalars) -> list[Scalar]:
+    return [a + b for a, b in zip(x, y, strict=True)]
