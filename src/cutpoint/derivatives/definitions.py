@@ -15,7 +15,7 @@ from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.elastic import Options
 from cutpoint.mechanics.elastic_forward import drive_effort, drive_states
-from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
+from cutpoint.mechanics.factors import Factors, factors_of, solve
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.mechanics.torque_derivatives import along_motion

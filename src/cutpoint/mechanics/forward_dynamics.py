@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
+from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.mechanics.inverse_dynamics import (
     handed_on,
     inverse_dynamics,
@@ -46,18 +47,6 @@ class FreeRotor(NamedTuple):
     follows: Scalar
 
 
-def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
-    """Angular velocity and acceleration of a body whose joint keeps its speed, along its parent's axes, which turn with
-    omega_p and accelerate with A_p.
-
-    As `motions`, Xia (2019) eq. (31), in cross products: each is one operation on three numbers.
-    """
-    own, X = body.motion(v), body.placement
-    omega = omega_p + own.angular
-    linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
-    return omega, X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))
-
-
 def forward_dynamics(
     system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
 ) -> list[Scalar]:
@@ -75,6 +64,14 @@ def is_shallow(system: System) -> bool:
     """Whether few joints carry a body, each of one axis."""
     bodies = system.segments
     return all(len(body.joint.axes) == 1 for body in bodies) and sum(system.depths) <= FEW * len(bodies)
+
+
+def through_mass_matrix(
+    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
+) -> list[Scalar]:
+    """Solves M a = tau - bias directly; also valid where followers couple distant joints."""
+    bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
+    return solve(factors_of(mass_matrix(system, q)), [t - b for t, b in zip(tau, bias, strict=True)])
 
 
 def articulated_accelerations(
@@ -146,45 +143,13 @@ def let_spin(
     return M + apart, P + apart * A + spin.reaction(omega, speed, alpha)
 
 
-def through_mass_matrix(
-    system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
-) -> list[Scalar]:
-    """Solves M a = tau - bias directly; also valid where followers couple distant joints."""
-    bias = inverse_dynamics(system, q, v, [0] * system.nv, contact)
-    return solve(factors_of(mass_matrix(system, q)), [t - b for t, b in zip(tau, bias, strict=True)])
+def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
+    """Angular velocity and acceleration of a body whose joint keeps its speed, along its parent's axes, which turn with
+    omega_p and accelerate with A_p.
 
-
-class Factors(NamedTuple):
-    """L^T D L of a symmetric positive definite matrix, from its last row up; the sparsity of a tree is preserved.
-
-    L: its rows, of which only the part left of the diagonal counts.  inverse: of D, since a division costs as much
-    as ten products.
+    As `motions`, Xia (2019) eq. (31), in cross products: each is one operation on three numbers.
     """
-
-    L: list[list[Scalar]]
-    inverse: list[Scalar]
-
-
-def factors_of(M: list[list[Scalar]]) -> Factors:
-    """Featherstone (2008) section 6.5."""
-    n, L = len(M), [[*row] for row in M]
-    inverse: list[Scalar] = [0] * n
-    for k in reversed(range(n)):
-        inverse[k] = 1 / L[k][k]
-        for i in reversed(range(k)):
-            share = L[k][i] * inverse[k]
-            for j in range(i + 1):
-                L[i][j] = L[i][j] - share * L[k][j]
-            L[k][i] = share
-    return Factors(L, inverse)
-
-
-def solve(factors: Factors, b: Scalars) -> list[Scalar]:
-    """x with M x = b, through L^T, D and L in turn.  Featherstone (2008) section 6.5."""
-    (L, inverse), n, x = factors, len(b), [*b]
-    for k in reversed(range(n)):
-        for i in reversed(range(k)):
-            x[i] = x[i] - L[k][i] * x[k]
-    for k in range(n):
-        x[k] = x[k] * inverse[k] - sum((L[k][i] * x[i] for i in range(k)), 0)
-    return x
+    own, X = body.motion(v), body.placement
+    omega = omega_p + own.angular
+    linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
+    return omega, X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.forward_dynamics import factors_of, solve
+from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.mechanics.harmonic_drive import DriveState, friction_torque, spring_torque_and_rate
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix

@@ -9,7 +9,7 @@ from functools import reduce
 from typing import Any, Literal
 
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
-from cutpoint.mechanics.forward_dynamics import Factors, factors_of, solve
+from cutpoint.mechanics.factors import Factors, factors_of, solve
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.equations.solver import EQUATIONS, Room
 from cutpoint.rolled.memory import aligned

@@ -5,7 +5,7 @@ from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.articulated import Articulated
-from cutpoint.mechanics.forward_dynamics import factors_of, solve
+from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.mechanics.joints import dot
 from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Wrench
 from cutpoint.rolled.base import Base, base_in, sizes_apart
