@@ -21,7 +21,7 @@ from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
-from cutpoint.rolled.steps import RATES
+from cutpoint.rolled.placing import RATES
 from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar, where
 

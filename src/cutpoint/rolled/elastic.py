@@ -16,8 +16,9 @@ from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
 from cutpoint.rolled.forward import forward_dynamics
+from cutpoint.rolled.inverse import inverse_dynamics
 from cutpoint.rolled.passes import WITH_RATES, Pass, Steps
-from cutpoint.rolled.steps import RATES, inverse_dynamics
+from cutpoint.rolled.placing import RATES
 
 MOTOR = ("motor_torque", "theta", "theta_dot", "theta_ddot", "joint_torque")
 

@@ -22,7 +22,7 @@ from cutpoint.rolled.packing import (
     wrench_of,
 )
 from cutpoint.rolled.passes import PLAIN, UPWARD, Pass, Steps
-from cutpoint.rolled.steps import placing
+from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
 

@@ -10,7 +10,7 @@ from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, pose_of
 from cutpoint.rolled.passes import PLAIN, Order, Pass, Steps
-from cutpoint.rolled.steps import RATES, placing
+from cutpoint.rolled.placing import RATES, placing
 from cutpoint.scalars import where
 
 FRAME = {"frame": 13}

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple, get_args
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE
 from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.rolled import derivatives, elastic, forward, kinematics, mass, regressor, steps, totals
+from cutpoint.rolled import derivatives, elastic, forward, inverse, kinematics, mass, regressor, totals
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.passes import Steps
+from cutpoint.rolled.placing import RATES
 
 
 class Recipe(NamedTuple):
@@ -46,23 +47,21 @@ class Recipe(NamedTuple):
 
 def _elastic_inverse(options: Options) -> Recipe:
     passes = partial(elastic.elastic_inverse_dynamics, options=options)
-    return Recipe(passes, steps.RATES, elastic.MOTOR, 32, True, "strains", options.quasi_rigid)
+    return Recipe(passes, RATES, elastic.MOTOR, 32, True, "strains", options.quasi_rigid)
 
 
 def _elastic_derivatives(options: Options) -> Recipe:
     passes = partial(derivatives.elastic_inverse_dynamics, options=options)
-    return Recipe(
-        passes, steps.RATES, derivatives.OF_MOTORS, 8, True, takes_geared=False, takes_base=False, is_rooted=True
-    )
+    return Recipe(passes, RATES, derivatives.OF_MOTORS, 8, True, takes_geared=False, takes_base=False, is_rooted=True)
 
 
 DERIVATIVES = ("inverse_dynamics_derivatives", None)
 """Of rigid dynamics; those of forward dynamics follow from them."""
 
 RECIPES: Mapping[Any, Recipe] = {
-    "inverse_dynamics": Recipe(steps.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
-    "bias_forces": Recipe(steps.inverse_dynamics, ("q", "v"), ("tau",), 96),
-    "gravity_forces": Recipe(steps.inverse_dynamics, ("q",), ("tau",), 96),
+    "inverse_dynamics": Recipe(inverse.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
+    "bias_forces": Recipe(inverse.inverse_dynamics, ("q", "v"), ("tau",), 96),
+    "gravity_forces": Recipe(inverse.inverse_dynamics, ("q",), ("tau",), 96),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, pairs=1000),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, pairs=500, is_rooted=True),
     DERIVATIVES: Recipe(

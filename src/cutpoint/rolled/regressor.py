@@ -16,7 +16,7 @@ from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, Pass, Steps
-from cutpoint.rolled.steps import RATES
+from cutpoint.rolled.placing import RATES
 from cutpoint.scalars import Scalar, where
 
 PARAMETERS = 10

@@ -11,7 +11,7 @@ from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.kinematics import ABOVE
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of
 from cutpoint.rolled.passes import PLAIN, Pass, Scalars, Steps
-from cutpoint.rolled.steps import placing
+from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
 

@@ -21,7 +21,7 @@ from cutpoint.rolled.packing import (
     pose_of,
 )
 from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
-from cutpoint.rolled.steps import placing
+from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar, minimum
 

@@ -9,12 +9,10 @@ from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Motion, Vec3
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
-from cutpoint.rolled.passes import PLAIN, UPWARD, Kept, Order, Pass, Steps
+from cutpoint.rolled.packing import motion_of, pose_of, wrench_of
+from cutpoint.rolled.passes import PLAIN, UPWARD, Order, Pass, Steps
+from cutpoint.rolled.placing import RATES, placing
 from cutpoint.scalars import Scalar
-
-RATES = ("q", "v", "a", "jerk", "snap")
-"""What is given of a motion, as far as an order asks for it."""
 
 
 def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
@@ -67,15 +65,3 @@ def _moving(motion: Sequence[Scalar]) -> BodyMotion:
     """A body's motion from its stored numbers."""
     omega, A = Vec3(*motion[:3]), motion_of(motion[3:])
     return BodyMotion(AT_ORIGIN, Motion(ZERO, omega), A, acceleration_gradient(A.angular, omega, omega))
-
-
-def placing(columns: Columns, order: Order, rates: Sequence[str]) -> tuple[Stage, Kept]:
-    """Pose of each body in its parent, and its storage.  It depends on no other body."""
-
-    def placed(row: Any, *given: Any) -> list[Scalar]:
-        body = columns.subsystem(row).body
-        X = body.placement @ body.joint.pose(order.rate(given, 0))
-        return order.packed([*flat(X.rotation), *X.position])
-
-    pose = Kept(lambda body, q: placed(body, *([x] for x in q)), body=columns.width, q=len(rates))
-    return Stage(lambda *given: pose.some(placed(*given)), ("body", *rates), ("pose",)), pose
