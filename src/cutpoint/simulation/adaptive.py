@@ -42,11 +42,11 @@ def adaptive_step(loop: ClosedLoop) -> Callable[[dict[str, Array], Array], None]
         x = np.array(loop.lanes.dense(memory["state"]))
         with np.errstate(all="ignore"):  # numbers that are not finite end the run below
             for end in ends:
-                told, before = (loop.lanes.dense(memory[name]) for name in ("torque", "torque_before"))
-                commands = zip(loop.robot.machine.drives, told, before, strict=True)
+                now, before = (loop.lanes.dense(memory[name]) for name in ("torque", "torque_before"))
+                commands = zip(loop.robot.machine.drives, now, before, strict=True)
                 middle, length = (start + end) / 2, end - start
-                told = [arrived(d.drive, u, old, middle, length) for d, u, old in commands]
-                way.go(x, np.array(told, float), pushed, start, end)
+                torque = [arrived(d.drive, u, old, middle, length) for d, u, old in commands]
+                way.go(x, np.array(torque, float), pushed, start, end)
                 start = end
         end_period(loop, memory, x)
 

@@ -24,13 +24,13 @@ def beginning(robot: Robot, initial: State | None, reference: Array, is_held: bo
     """
     given = initial or State()
     start = _motion(robot, given, reference)
-    told = np.zeros(len(robot.drives))
+    commanded = np.zeros(len(robot.drives))
     if is_held:
-        told = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
-    start = _with_inner_states(robot, given, start, told)
+        commanded = robot.gravity_forces(start.q)[[d.v for d in robot.machine.drives]]
+    start = _with_inner_states(robot, given, start, commanded)
     if given.current is not None:  # a motor's earlier command equals its current
-        told[[d.drive.has_current_lag for d in robot.machine.drives]] = start.current
-    return start, told
+        commanded[[d.drive.has_current_lag for d in robot.machine.drives]] = start.current
+    return start, commanded
 
 
 def _motion(robot: Robot, given: State, reference: Array) -> State:
@@ -46,20 +46,20 @@ def _motion(robot: Robot, given: State, reference: Array) -> State:
     return State(q, v, _of_motors(robot, "theta", theta, q[driven]), _of_motors(robot, "theta_dot", omega, v[speeds]))
 
 
-def vector(name: str, told: Any, size: int) -> Array:
+def vector(name: str, value: Any, size: int) -> Array:
     """A part of the given state, (size,).  Raises InputError for an array of several."""
-    array = checked_array("simulate", f"initial.{name}", told, size)
+    array = checked_array("simulate", f"initial.{name}", value, size)
     if array.ndim != 1:
         raise InputError(f"simulate: initial.{name} has shape {array.shape}, a run starts from one of ({size},)")
     return array
 
 
-def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
+def _of_motors(robot: Robot, name: str, value: Any, links: Array) -> Array:
     """Positions or speeds of motors (n,); for rigid drives exactly the links'.
 
     Raises InputError if a rigid drive's differs by more than rounding.
     """
-    motors = vector(name, told, len(links))
+    motors = vector(name, value, len(links))
     rigid = np.array([not drive.is_elastic for drive in robot.drives.values()], bool)
     apart = rigid & (np.abs(motors - links) > ROUNDING * np.maximum(np.abs(links), 1.0))
     if apart.any():
@@ -69,11 +69,11 @@ def _of_motors(robot: Robot, name: str, told: Any, links: Array) -> Array:
     return np.where(rigid, links, motors)
 
 
-def _with_inner_states(robot: Robot, given: State, start: State, told: Array) -> State:
+def _with_inner_states(robot: Robot, given: State, start: State, commanded: Array) -> State:
     """Currents that hold the arm, or zero without a controller; strains are zero."""
     expected = sizes(robot.machine)
     lagging = [d.drive.has_current_lag for d in robot.machine.drives]
-    current = told[lagging] if given.current is None else given.current
+    current = commanded[lagging] if given.current is None else given.current
     strains = np.zeros(expected.strains) if given.strains is None else given.strains
     strains = vector("strains", strains, expected.strains)
     for name, strain, most in zip(robot.strain_names, strains, _farthest(robot), strict=True):

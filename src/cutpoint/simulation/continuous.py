@@ -45,9 +45,9 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
     def rates(x: list, row: list, law: list, parameters: list) -> list:
         measured, _ = loop.sense(loop.lanes.padded(x), [], [], parameters)
         command, _ = loop.control(measured, [], row, law)
-        told, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
+        limited, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
         machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])
-        return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(told), layout.disturbance(row))]
+        return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(limited), layout.disturbance(row))]
 
     sizes: dict[str, Any] = {"x": layout.state, "row": layout.row}
     kernel: Any = None

@@ -154,8 +154,8 @@ class ClosedLoop:
         given = self._given(parameters)
         own = own_parts(given.machine, self.lanes.dense(state))
         motors = zip(given.machine.drives, own, command[: self.layout.n], given.limits, strict=True)
-        told = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
-        return self.lanes.padded(told), torque
+        limited = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
+        return self.lanes.padded(limited), torque
 
     def record(self, *regions: Scalars) -> Scalars:
         """The recorded quantities of a sample."""
@@ -189,7 +189,7 @@ class ClosedLoop:
                 "sense": self._before,
                 "command": [*self._before, self._control],
                 "after": self._after,
-                "output": self._told,
+                "output": self._output,
             }[part]
             until = "fault" if self.runs == 1 else None  # runs side by side do not stop for one of them
             ticks = Loop("ticks", body, streams=("row", "noise", "record"), until=until)
@@ -208,7 +208,7 @@ class ClosedLoop:
         return Stage(self.control, ("measured", "memory", "row", "law"), ("command", "memory"), self.runs)
 
     @property
-    def _told(self) -> list[Stage | Loop]:
+    def _output(self) -> list[Stage | Loop]:
         plant, runs = self.plant, self.runs
         feel = ("state", "torque", "torque_before", self._numbers_of_drives)
         return [
@@ -220,7 +220,7 @@ class ClosedLoop:
     @property
     def _after(self) -> list[Stage | Loop]:
         integrate = Loop("substeps", self._step, streams=("elapsed",))
-        return [*self._told, integrate, Stage(self.watch, ("state", "command", "fault"), ("fault",), self.runs)]
+        return [*self._output, integrate, Stage(self.watch, ("state", "command", "fault"), ("fault",), self.runs)]
 
     @property
     def _step(self) -> list[Stage | Loop]:

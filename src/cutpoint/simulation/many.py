@@ -101,7 +101,7 @@ def simulate_many(
     _check(runs, each, channels, accuracy)
     if duration is None:
         duration = max((t.duration for t in runs["trajectory"] if t is not None), default=None)
-    with _told_of("simulate_many"):
+    with _in_the_name_of("simulate_many"):
         times = sample_times(None, duration, control_period)
     setups, steps = _setups(runs, times, control_period, accuracy, substeps, channels)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
@@ -139,14 +139,14 @@ def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] |
     if not (each is None or callable(each)):
         raise refused("simulate_many", "each", each, "a function of a log")
     for number, values in enumerate(zip(*runs.values(), strict=True)):
-        with _told_of(f"simulate_many: run {number}"):
+        with _in_the_name_of(f"simulate_many: run {number}"):
             check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)
     if accuracy not in ("standard", "fine"):
         raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
 
 
 @contextmanager
-def _told_of(whose: str) -> Iterator[None]:
+def _in_the_name_of(whose: str) -> Iterator[None]:
     """Errors of `simulate` are raised in the name of `simulate_many`."""
     try:
         yield
@@ -174,16 +174,16 @@ def _setups(
     setups: list[Setup] = []
     steps = Steps(0, "")
     for k, (robot, controller, trajectory, initial, sensors, pushed) in enumerate(zip(*runs.values(), strict=True)):
-        with _told_of(f"simulate_many: run {k}"):
+        with _in_the_name_of(f"simulate_many: run {k}"):
             rest = initial if trajectory is None else None
             reference = once(reference_at, robot.mechanism, trajectory, rest, given=(robot, trajectory, initial, times))
             law = once(admitted, robot.mechanism, controller, given=(robot, controller))
-            loop, start, told = prepared(robot, law, period, initial, reference, sensors, channels)
+            loop, start, commanded = prepared(robot, law, period, initial, reference, sensors, channels)
             rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
             given = (robot, accuracy, substeps, period, start, reference)
             steps = max(steps, once(steps_of, robot, reference, initial, given=given))
             limits = efforts_in_force(robot.mechanism, robot.drives)
-            setups.append(Setup(k, loop, start, told, reference, rows, limits))
+            setups.append(Setup(k, loop, start, commanded, reference, rows, limits))
     return setups, steps
 
 

@@ -38,14 +38,14 @@ BUFFER = 4 * BLOCK
 class Setup:
     """A run before it starts.
 
-    number: among all runs.  told: motor commands until the first sample, N m.  reference (5, N, drives) and rows
+    number: among all runs.  commanded: motor commands until the first sample, N m.  reference (5, N, drives) and rows
     (N, ...) may be shared with other runs; limits of torque, N m.
     """
 
     number: int
     loop: ClosedLoop
     start: State
-    told: Array
+    commanded: Array
     reference: Array
     rows: Array
     limits: Array
@@ -97,7 +97,7 @@ class Pack:
         """Regions with the runs' numbers side by side, except rows; those with a row per sample have BUFFER rows."""
         loops = [self._loop(s) for s in self._filled]
         regions = {region.name: region.size for region in loops[0].regions()}
-        own = [first_numbers(x, s.start, s.told, s.limits) for x, s in zip(loops, self._filled, strict=True)]
+        own = [first_numbers(x, s.start, s.commanded, s.limits) for x, s in zip(loops, self._filled, strict=True)]
         memory: dict[str, Array] = {name: np.zeros(size) for name, size in regions.items()}
         for name, numbers in own[0].items():
             memory[name] = numbers if name in loops[0].shared else _beside([x[name] for x in own])
@@ -136,7 +136,7 @@ class Pack:
         """Repeats a failed run alone up to the failure, with all channels: loop, record, number of samples, reason."""
         loop, steps = replace(setup.loop, kept=None), self.steps.number
         noise = noise_of(loop, len(self.times))
-        memory = working_memory(loop, setup.start, setup.told, setup.rows, noise, setup.limits, steps)
+        memory = working_memory(loop, setup.start, setup.commanded, setup.rows, noise, setup.limits, steps)
         outcome = run(loop, memory, steps, None)
         return loop, memory["record"], outcome.ticks, outcome.cause
 

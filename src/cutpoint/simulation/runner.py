@@ -45,23 +45,23 @@ class Outcome(NamedTuple):
 
 
 def working_memory(
-    loop: ClosedLoop, start: State, told: Array, rows: Array, noise: Array, limits: Array, substeps: int
+    loop: ClosedLoop, start: State, commanded: Array, rows: Array, noise: Array, limits: Array, substeps: int
 ) -> dict[str, Array]:
     """All regions of the loop at the start of a run; row, noise and record have one row a sample.
 
-    told: the motors' first commands, N m.
+    commanded: the motors' first commands, N m.
     """
     regions: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
-    regions |= first_numbers(loop, start, told, limits) | shared_numbers(loop, substeps)
+    regions |= first_numbers(loop, start, commanded, limits) | shared_numbers(loop, substeps)
     return regions | {"row": rows, "noise": noise, "record": np.empty((len(rows), sum(loop.channels.values())))}
 
 
-def first_numbers(loop: ClosedLoop, start: State, told: Array, limits: Array) -> dict[str, Array]:
+def first_numbers(loop: ClosedLoop, start: State, commanded: Array, limits: Array) -> dict[str, Array]:
     """Regions that are not zero at the start of a run, and are its own."""
     driven = loop.robot.machine.drives
     seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
     state = np.array(loop.lanes.padded(np.concatenate(start)))
-    torque = np.array(loop.lanes.padded(told))
+    torque = np.array(loop.lanes.padded(commanded))
     return {
         "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
         "sensing": np.array(loop.encoders.memory(*seen), float), "memory": loop.initial_memory(),

@@ -100,11 +100,11 @@ def simulate(
     times = sample_times(trajectory, duration, control_period)
     reference = reference_at(robot, trajectory, initial, times)
     law = admitted(robot, controller)
-    loop, start, told = prepared(robot, law, control_period, initial, reference, sensors, channels)
+    loop, start, commanded = prepared(robot, law, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy, substeps, control_period, start, reference)
     rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
     limits = efforts_in_force(robot.mechanism, robot.drives)
-    memory = working_memory(loop, start, told, rows, noise, limits, steps.number)
+    memory = working_memory(loop, start, commanded, rows, noise, limits, steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
@@ -143,13 +143,13 @@ def prepared(
 ) -> tuple[ClosedLoop, State, Array]:
     """The loop, its initial state, and the motors' commands until the first sample, N m."""
     check_size(robot)
-    start, told = beginning(robot, initial, reference, not isinstance(law.law, FreeResponse))
+    start, commanded = beginning(robot, initial, reference, not isinstance(law.law, FreeResponse))
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
     check_sensors(law, encoders.sides)
     remembers = with_float_leaves(start_of(law.law))
     programs = programs_for(robot, law, encoders, remembers)
     kept = None if channels is None else frozenset(channels)
-    return ClosedLoop(robot, law.law, encoders, remembers, period, programs, law.refusal, kept=kept), start, told
+    return ClosedLoop(robot, law.law, encoders, remembers, period, programs, law.refusal, kept=kept), start, commanded
 
 
 def check_size(robot: Robot) -> None:
