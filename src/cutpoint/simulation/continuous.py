@@ -1,6 +1,7 @@
 """A controller in continuous time instead of once a period, as stability proofs assume."""
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -40,40 +41,47 @@ def check_continuous(loop: ClosedLoop) -> None:
 
 def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable[[dict[str, Array], Array], None]:
     """A function that advances the loop's memory by one period, the controller in the differential equation: DOP853."""
-    n, layout = loop.layout.n, loop.layout
+    rates = _Rates(loop, trajectory)
 
-    def rates(x: list, row: list, law: list, parameters: list) -> list:
+    def step(memory: dict[str, Array], row: Array) -> None:
+        x, given = np.array(loop.lanes.dense(memory["state"])), (row.copy(), memory["law"], memory["parameters"])
+        with np.errstate(all="ignore"):  # numbers that are not finite end the run below
+            found = solve_ivp(rates, (row[0], row[0] + loop.period), x, "DOP853", args=given, rtol=RTOL, atol=ATOL)
+        end_period(loop, memory, found.y[:, -1] if found.success else np.full_like(x, np.nan))
+
+    return step
+
+
+class _Rates:
+    """dx/dt of the plant with its controller, compiled at the first use."""
+
+    def __init__(self, loop: ClosedLoop, trajectory: Trajectory | None) -> None:
+        self._loop, self._trajectory = loop, trajectory
+
+    def __call__(self, t: float, x: Array, row: Array, law: Array, parameters: Array) -> Array:
+        """At the time t, s, to which it sets the row's time and reference.  Raises NoNumberError."""
+        n = self._loop.layout.n
+        row[0] = t
+        if self._trajectory is not None:
+            row[1 : 1 + 5 * n] = self._trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
+        found = self._kernel(x, row, law, parameters)
+        if np.isnan(found[:n]).any():
+            raise NoNumberError(t, found[:n])
+        return found[n:]
+
+    @cached_property
+    def _kernel(self) -> Any:
+        loop = self._loop
+        lengths = {region.name: region.size for region in loop.regions()}
+        sizes = {name: lengths[name] for name in ("row", "law", "parameters")}
+        backend = loop.robot.backend
+        return kernels.compile(self._traced, name="closed_loop", backend=backend, x=loop.layout.state, **sizes)
+
+    def _traced(self, x: list, row: list, law: list, parameters: list) -> list:
+        """The command's torques, then dx/dt."""
+        loop, n, disturbance = self._loop, self._loop.layout.n, self._loop.layout.disturbance(row)
         measured, _ = loop.sense(loop.lanes.padded(x), [], [], parameters)
         command, _ = loop.control(measured, [], row, law)
         limited, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
         machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])
-        return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(limited), layout.disturbance(row))]
-
-    sizes: dict[str, Any] = {"x": layout.state, "row": layout.row}
-    kernel: Any = None
-
-    def step(memory: dict[str, Array], row: Array) -> None:
-        nonlocal kernel
-        numbers, at = [memory[name] for name in ("law", "parameters")], row.copy()
-        if kernel is None:
-            law, parameters = map(len, numbers)
-            kernel = kernels.compile(
-                rates, name="closed_loop", backend=loop.robot.backend, **sizes, law=law, parameters=parameters
-            )
-
-        def f(t: float, x: Array) -> Array:
-            at[0] = t
-            if trajectory is not None:
-                at[1 : 1 + 5 * n] = trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
-            found = kernel(x, at, *numbers)
-            if np.isnan(found[:n]).any():
-                raise NoNumberError(t, found[:n])
-            return found[n:]
-
-        x = np.array(loop.lanes.dense(memory["state"]))
-        with np.errstate(all="ignore"):  # numbers that are not finite end the run below
-            found = solve_ivp(f, (row[0], row[0] + loop.period), x, "DOP853", rtol=RTOL, atol=ATOL)
-        x = found.y[:, -1] if found.success else np.full_like(x, np.nan)
-        end_period(loop, memory, x)
-
-    return step
+        return [*command[:n], *plant_rates(machine, x, x, loop.lanes.dense(limited), disturbance)]
