@@ -56,16 +56,16 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
     joints = zip(law.machine.drives, machine.drives, joint_gains, strict=True)
     for k, (believed, driven, gain) in enumerate(joints):
         at = DriveState(*(x[k] for x in m[2:]))
-        told = joint_command(believed.drive, at, r.q[k], v_r[k], required_torques[k], gain)
+        command = joint_command(believed.drive, at, r.q[k], v_r[k], required_torques[k], gain)
         place = DriveState(q[driven.q], v[driven.v], theta[k], theta_dot[k])
         tau_r = required_torques[k].tau_r.derivative(0)
-        storage, lost = joint_account(driven.drive, place, speeds[driven.v], tau_r, told, gain)
+        storage, lost = joint_account(driven.drive, place, speeds[driven.v], tau_r, command, gain)
         accounts.append((storage, lost, -(speeds[driven.v] - place.v) * given[driven.v]))
     return Flows(*([account[k] for account in accounts] for k in range(3)))
 
 
 def joint_account(
-    drive: Drive, at: DriveState, speed: Scalar, tau_r: Scalar, told: JointCommand, gain: JointGains
+    drive: Drive, at: DriveState, speed: Scalar, tau_r: Scalar, command: JointCommand, gain: JointGains
 ) -> tuple[Scalar, Scalar]:
     """Storage and dissipation of a joint: of its rotor's speed error, and of its spring's error of deflection."""
     lag = speed - at.v
@@ -74,11 +74,11 @@ def joint_account(
         lost = lost + gain.motor * lag * lag + lag * _friction_excess(drive.motor_friction, speed, at.v)
         return drive.reflected_inertia * lag * lag / 2, lost
     behind = drive.compliance.deflection(tau_r) - deflection(drive, at.theta, at.q)
-    motor_lag = told.theta_dot - at.theta_dot
+    motor_lag = command.theta_dot - at.theta_dot
     K = drive.compliance.tangent(deflection(drive, at.theta, at.q))
     storage = (K * behind * behind + drive.reflected_inertia * motor_lag * motor_lag) / 2
     lost = lost + gain.spring * K * behind * behind + gain.motor * motor_lag * motor_lag
-    return storage, lost + motor_lag * _friction_excess(drive.motor_friction, told.theta_dot, at.theta_dot)
+    return storage, lost + motor_lag * _friction_excess(drive.motor_friction, command.theta_dot, at.theta_dot)
 
 
 def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:

@@ -52,6 +52,6 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         q, v, _, _ = self.seen(measurement, reference)
         z = np.array([where(memory[1] > 0, x, -speed) for x, speed in zip(memory[0], v, strict=True)])
         d = self.gain * (z + v)
-        told = [clip(u, -most, most) for u, most in zip(command.torque - d, self.torque_limit, strict=True)]
-        a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, np.array(told) + d)))
-        return ([*(z - measurement.period * a)], 1.0, inner), command._replace(torque=np.array(told))
+        torque = [clip(u, -most, most) for u, most in zip(command.torque - d, self.torque_limit, strict=True)]
+        a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, np.array(torque) + d)))
+        return ([*(z - measurement.period * a)], 1.0, inner), command._replace(torque=np.array(torque))

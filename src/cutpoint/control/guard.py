@@ -111,13 +111,13 @@ class Guard(Wrapper):
         return Watch(-np.inf, nothing * 4, 0.0, 0.0, 1.0, nothing, nothing, nothing, inner)
 
     def step(self, memory: Watch, measurement: Measurement, reference: Reference) -> tuple[Watch, Command]:
-        told, odd = self._last_finite(memory, measurement)
-        inner, command = self.inner_step(memory.inner, told, reference)
+        finite, odd = self._last_finite(memory, measurement)
+        inner, command = self.inner_step(memory.inner, finite, reference)
         *parts, reported = completed(command, reference, self.size)
         # a link without an encoder is taken to be where its motor is
-        pairs = zip(measurement.q, told.q, told.theta, strict=True)
+        pairs = zip(measurement.q, finite.q, finite.theta, strict=True)
         places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
-        found, severity = self._found(memory, told, odd, places, parts)
+        found, severity = self._found(memory, finite, odd, places, parts)
         fault = where(memory.fault > 0, memory.fault, where(found > 0, found, reported))
         severity = maximum(memory.severity, severity)
         # remaining share of the last safe torque
@@ -128,23 +128,23 @@ class Guard(Wrapper):
         torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)
         inner = with_float_leaves(inner)
         kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(with_float_leaves(memory.inner)))))
-        seen = [x for name in SENSED for x in getattr(told, name)]
+        seen = [x for name in SENSED for x in getattr(finite, name)]
         after = Watch(measurement.time, seen, fault, severity, share, torque, theta, theta_dot, kept)
-        told_torque = np.array([share * u for u in torque])
-        return after, Command(told_torque, np.array(feedforward), np.array(theta), np.array(theta_dot), fault)
+        commanded = np.array([share * u for u in torque])
+        return after, Command(commanded, np.array(feedforward), np.array(theta), np.array(theta_dot), fault)
 
     def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
         """The measurement, non-finite numbers replaced by their last finite ones; whether the law reads any of them."""
         n, odd = self.size, _is_odd(m.time)
         is_silent = not self.needs or any(not hasattr(part, "needs") for part in own_parts(self.law))
         needed = SENSED if is_silent else self.needs
-        told: dict[str, Any] = {}
+        finite: dict[str, Any] = {}
         for k, name in enumerate(SENSED):
             numbers, last = getattr(m, name), memory.seen[k * n : (k + 1) * n]
             odds = [_is_odd(x) for x in numbers]
-            told[name] = np.array([where(bad > 0, y, x) for bad, x, y in zip(odds, numbers, last, strict=True)])
+            finite[name] = np.array([where(bad > 0, y, x) for bad, x, y in zip(odds, numbers, last, strict=True)])
             odd = reduce(maximum, odds, odd) if name in needed else odd
-        return m._replace(**told), odd
+        return m._replace(**finite), odd
 
     def _found(
         self, memory: Watch, m: Measurement, odd: Scalar, places: list[Scalar], commanded: list[list[Scalar]]

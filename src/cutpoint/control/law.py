@@ -107,12 +107,12 @@ class Sum(Law):
         made = Command(0)
         # the law that makes the motors' reference goes first, so that the others see it
         for k in sorted(range(len(self.parts)), key=lambda k: not makes_reference(self.parts[k])):
-            memories[k], told = stepped(self.parts[k], memory[k], measurement, reference)
-            commands.append(told)
-            if told.theta is None:
+            memories[k], command = stepped(self.parts[k], memory[k], measurement, reference)
+            commands.append(command)
+            if command.theta is None:
                 continue
             _check_announced(self.parts[k])
-            made = told if told.theta_dot is not None else told._replace(theta_dot=reference.theta_dot)
+            made = command if command.theta_dot is not None else command._replace(theta_dot=reference.theta_dot)
             reference = reference._replace(theta=made.theta, theta_dot=made.theta_dot)
         torque, feedforward = sum(c.torque for c in commands), sum(c.feedforward for c in commands)
         fault = reduce(_first, [*memory[len(self.parts) :], *(c.fault for c in commands)])

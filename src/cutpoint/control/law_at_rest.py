@@ -52,7 +52,7 @@ class LawAtRest:
         self.memory = np.array(leaves(start), float)
         self._balance(point.motor_torque, np.zeros(self.memory.size, bool))
         for k in range(1, SETTLING + 1):
-            self.memory = self.told(0 * self._seen, self.memory)[1]
+            self.memory = self.response(0 * self._seen, self.memory)[1]
             self._time += period
             if k.bit_count() == 1:  # often at first, since a law changes most during its first samples
                 self._balance(point.motor_torque, self._matters())
@@ -61,7 +61,7 @@ class LawAtRest:
             rule = f"reports fault {fault:g}, see `control.Fault`, at rest at this pose, and then holds nothing"
             raise InputError(f"{name_of(law)} {rule}: judge it at a pose within its limits", q=point.q)
 
-    def told(self, moved: Array, memory: Array) -> tuple[Array, Array]:
+    def response(self, moved: Array, memory: Array) -> tuple[Array, Array]:
         """Torque and next memory, with q, v, theta and theta_dot moved by (4, n) from rest."""
         return self._answer(moved, memory, self._shift)[:2]
 
@@ -72,8 +72,8 @@ class LawAtRest:
     def _matters(self) -> NDArray[np.bool_]:
         """Which numbers of memory depend on motion and affect torque."""
         at_rest = 0 * self._seen
-        of_state = differences(lambda x: self.told(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
-        of_memory = differences(lambda m: self.told(at_rest, m), self.memory)
+        of_state = differences(lambda x: self.response(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
+        of_memory = differences(lambda m: self.response(at_rest, m), self.memory)
         return between(of_state[1], of_memory[1], of_memory[0])
 
     def _balance(self, load: Array, free: NDArray[np.bool_]) -> None:

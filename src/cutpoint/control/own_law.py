@@ -155,8 +155,8 @@ class _Step:
         asked = Measurement(time, period, *arrays[:4]), Reference(*arrays[4:])
         after, command = stepped(own, rebuild(self._start, iter(memory)), *asked)
         _check_memory(self._law, self._start, after)
-        told = [x for part in command if part is not None for x in np.broadcast_to(np.asarray(part), self._drives)]
-        return [*numbers_after(self._law, after, self._memory), *told], (self._numbers, *(x is None for x in command))
+        parts = [x for part in command if part is not None for x in np.broadcast_to(np.asarray(part), self._drives)]
+        return [*numbers_after(self._law, after, self._memory), *parts], (self._numbers, *(x is None for x in command))
 
 
 def _check_memory(law: Any, start: Any, after: Any) -> None:

@@ -143,8 +143,8 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
 
     def measured(numbers: Array) -> Array:
-        told, after = quiet.measure([*numbers[order]], [*numbers[4 * n :]], [], period)
-        return np.array([*np.array(told)[order], *after])
+        seen, after = quiet.measure([*numbers[order]], [*numbers[4 * n :]], [], period)
+        return np.array([*np.array(seen)[order], *after])
 
     slopes = np.stack([measured(one) for one in np.eye(4 * n + kept)], axis=1)
     return _Slopes(*(x for rows in np.split(slopes, [4 * n]) for x in np.split(rows, [4 * n], axis=1)))
@@ -192,7 +192,7 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     rest = LawAtRest(robot, law, robot.linearize(q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
-    slopes = differences(lambda x: rest.told((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
+    slopes = differences(lambda x: rest.response((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
     return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
 
 
@@ -227,8 +227,8 @@ def _slopes(function: str, robot: Robot, law: Any, model: Any, period: float) ->
     """Slopes of a law's torque and memory with respect to measured q, v, theta and theta_dot (4 n,)."""
     at = LawAtRest(robot, law, model.point, period)
     rest = np.zeros((4, len(robot.drives)))
-    of_seen = differences(lambda x: at.told(x.reshape(rest.shape), at.memory), rest.ravel())
-    of_memory = differences(lambda m: at.told(rest, m), at.memory)
+    of_seen = differences(lambda x: at.response(x.reshape(rest.shape), at.memory), rest.ravel())
+    of_memory = differences(lambda m: at.response(rest, m), at.memory)
     matter = between(of_seen[1], of_memory[1], of_memory[0])
     slopes = _Slopes(of_seen[0], of_memory[0][:, matter], of_seen[1][matter], of_memory[1][np.ix_(matter, matter)])
     if not all(np.isfinite(x).all() for x in slopes):

@@ -76,12 +76,12 @@ class Encoders:
         line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
         measured, line = line[: 2 * n], line[2 * n :]
         if not self.differenced:
-            return self._told(measured), line
+            return self._of_its_sides(measured), line
         before = memory[len(memory) - n :]
         speeds = [(now - then) / period for now, then in zip(measured[:n], before, strict=True)]
-        return self._told([*measured[:n], *speeds]), [*line, *measured[:n]]
+        return self._of_its_sides([*measured[:n], *speeds]), [*line, *measured[:n]]
 
-    def _told(self, measured: list[Scalar]) -> list[Scalar]:
+    def _of_its_sides(self, measured: list[Scalar]) -> list[Scalar]:
         """Sets NaN for the side without encoders; quantities alternate, the link's first."""
         missing = {"both": None, "link": 1, "motor": 0}[self.sides]
         return [math.nan if k // self.size % 2 == missing else x for k, x in enumerate(measured)]

@@ -51,6 +51,6 @@ class SpeedFilter(Wrapper):
         filters, before = command_filter.step(memory[0], [*m.q, *m.theta], w, m.period)
         # differences of z, not its rate, which sags between samples: at constant speed they are exact
         speeds = [(z - old.derivative(0)) / m.period for z, old in zip(filters.value, before, strict=True)]
-        told = m._replace(v=np.array(speeds[:n]), theta_dot=np.array(speeds[n:]))
-        inner, command = self.inner_step(memory[1], told, reference)
+        smoothed = m._replace(v=np.array(speeds[:n]), theta_dot=np.array(speeds[n:]))
+        inner, command = self.inner_step(memory[1], smoothed, reference)
         return (filters, inner), command

@@ -103,8 +103,8 @@ class VDC(ModelLaw):
         states = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
         joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
         subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
-        told = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]
-        torque, theta, theta_dot, _ = (np.array(x) for x in zip(*told, strict=True))
+        commands = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]
+        torque, theta, theta_dot, _ = (np.array(x) for x in zip(*commands, strict=True))
         return memory, Command(torque, 0, theta, theta_dot)
 
     def required(
