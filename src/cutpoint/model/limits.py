@@ -17,8 +17,8 @@ def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[s
 
     Efforts and speeds of 0 in a robot file, which stand for unknown ones, count as none.
     """
-    told = {body.joint.name: body.joint.limits for body in mechanism.bodies}
-    return {joint: _tighter(told[joint], drive.limits) for joint, drive in drives.items()}
+    stated = {body.joint.name: body.joint.limits for body in mechanism.bodies}
+    return {joint: _tighter(stated[joint], drive.limits) for joint, drive in drives.items()}
 
 
 def look_like_degrees(limits: Limits) -> bool:

@@ -36,8 +36,8 @@ class Task:
         self.constants = {k: np.array(known[k], dtype=np.float64) for k in self.steps.constants}
         self._parents, self._tip = parents_of(system), np.array([place.body])
         base = [*system.base_acceleration]
-        told = {k: [base[x[1]] if isinstance(x, tuple) else x for x in row] for k, row in self.steps.world.items()}
-        self.world = {name: np.array(row, dtype=np.float64) for name, row in told.items()}
+        rows = {k: [base[x[1]] if isinstance(x, tuple) else x for x in row] for k, row in self.steps.world.items()}
+        self.world = {name: np.array(row, dtype=np.float64) for name, row in rows.items()}
 
     def of_base(self, name: str) -> int:
         """How many of a vector's numbers are a base's; they come first."""

@@ -78,18 +78,18 @@ class Graph:
 
     def digest(self) -> str:
         """A string shared only by graphs that compute the same by the same operations in the same order."""
-        *told, precision = self.__reduce__()[1]
-        return hashlib.blake2b(repr((told, precision.real)).encode(), digest_size=16).hexdigest()
+        *content, precision = self.__reduce__()[1]
+        return hashlib.blake2b(repr((content, precision.real)).encode(), digest_size=16).hexdigest()
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickles operations as a flat list: nested nodes would exceed pickle's recursion depth."""
         places = {x.serial: k for k, x in enumerate(self.nodes)}
 
-        def told(x: Any) -> Any:
+        def reference(x: Any) -> Any:
             return (places[x.serial],) if isinstance(x, Node) else x
 
-        operations = [(x.op, *map(told, x.args)) for x in self.nodes]
-        return _in_a_row, (self.inputs, self.outputs, operations, [*map(told, self.results)], self.precision)
+        operations = [(x.op, *map(reference, x.args)) for x in self.nodes]
+        return _in_a_row, (self.inputs, self.outputs, operations, [*map(reference, self.results)], self.precision)
 
 
 def _in_a_row(

@@ -47,8 +47,8 @@ def name_of(function: Callable[..., Any]) -> str:
 
 def _is_of_traced_numbers(error: Exception) -> bool:
     """Whether NumPy or Python rejects an operation because its operands are traced."""
-    told = str(error)
-    return type(error).__module__.startswith("numpy") or any(x in told for x in ("Traced", "Condition", "ufunc"))
+    text = str(error)
+    return type(error).__module__.startswith("numpy") or any(x in text for x in ("Traced", "Condition", "ufunc"))
 
 
 def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str, Any]:

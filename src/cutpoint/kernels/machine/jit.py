@@ -80,8 +80,8 @@ def object_code(ir: str | Unwritten, optimisation: int) -> bytes:
     """A module's object file: from disk if this user has compiled it before for this processor."""
     if not (isinstance(ir, str) or _are_as_loaded()):
         ir = ir.write()
-    told = ir if isinstance(ir, str) else repr((ir.by, _writers()))
-    kept, key = _cache(user_folder()), key_of(told, str(optimisation), *_surroundings())
+    source = ir if isinstance(ir, str) else repr((ir.by, _writers()))
+    kept, key = _cache(user_folder()), key_of(source, str(optimisation), *_surroundings())
 
     def made() -> bytes:
         with _generator:  # another thread may just have compiled it

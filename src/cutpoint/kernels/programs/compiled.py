@@ -24,7 +24,7 @@ class LlvmProgram:
 
     def __init__(self, plan: Plan) -> None:
         self._names, self._counts = plan.names, plan.counts
-        self._code = Compiled(Unwritten((_FUNCTION, *plan.told), lambda: program_ir(plan)), _FUNCTION)
+        self._code = Compiled(Unwritten((_FUNCTION, *plan.key), lambda: program_ir(plan)), _FUNCTION)
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(self._code.address)
 
     @property

@@ -45,18 +45,18 @@ class Plan:
         return (*self.regions, *self.indices)
 
     @property
-    def told(self) -> tuple[object, ...]:
+    def key(self) -> tuple[object, ...]:
         """Everything that determines its behaviour, equal for two plans only if they do the same."""
         numbers = {stage: k for k, stage in enumerate(self.graphs)}
 
-        def told(item: Stage | Loop) -> tuple[object, ...]:
+        def key_of(item: Stage | Loop) -> tuple[object, ...]:
             if isinstance(item, Stage):
                 about = (tuple(item.reads), tuple(item.writes), item.lanes, item.as_in_threes)
                 return (numbers[item], self.graphs[item].digest(), *about)
             about = (type(item).__name__, item.count, tuple(item.streams), item.until, item.backward)
-            return (*about, tuple(item.views), *map(told, item.body))
+            return (*about, tuple(item.views), *map(key_of, item.body))
 
-        return (tuple(self.regions.values()), told(self.body))
+        return (tuple(self.regions.values()), key_of(self.body))
 
     @property
     def changing(self) -> frozenset[str]:

@@ -90,8 +90,8 @@ def arguments(inputs: Sequence[Port], outputs: Sequence[Port], notes: Notes) -> 
     for side, ports in (("in ", inputs), ("out", outputs)):
         for p in ports:
             shape = " x ".join(map(str, p.shape)) or "a number"
-            told = comment(notes.arguments.get(p.name, ""))
-            lines.append(f"   {side}  {p.name}: {shape}{', ' if told else ''}{told}")
+            about = comment(notes.arguments.get(p.name, ""))
+            lines.append(f"   {side}  {p.name}: {shape}{', ' if about else ''}{about}")
     return "\n".join(lines)
 
 
