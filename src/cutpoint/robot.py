@@ -11,7 +11,7 @@ from cutpoint import definitions, door
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
 from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
-from cutpoint.functions.compiled import Compiled
+from cutpoint.functions.compiled import RobotKernels
 from cutpoint.functions.plain import PLAIN, Functions
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics import strains as strains_of
@@ -48,7 +48,7 @@ class Robot:
     mechanism: Mechanism
     drives: Mapping[str, Drive]
     backend: Backend
-    _compiled: Compiled
+    _compiled: RobotKernels
     _function: Callable[..., Callable[..., Any]]
     _functions: Functions
 
@@ -66,7 +66,7 @@ class Robot:
         door.checked_name("backend", backend, get_args(Backend))
         door.check_kind("Robot", "mechanism", mechanism, Mechanism, "a Mechanism (cutpoint.load reads files)")
         own = frozen(door.validated_drives(mechanism, {} if drives is None else drives))
-        compiled = Compiled(mechanism, own, backend)
+        compiled = RobotKernels(mechanism, own, backend)
         parts = {"mechanism": mechanism, "drives": own, "backend": backend, "_compiled": compiled}
         parts |= {"_function": compiled.function, "_functions": compiled.functions}
         for name, part in parts.items():

@@ -75,11 +75,11 @@ def rotor_is_felt(drive: Drive) -> bool:
     )
 
 
-compiled_of: Callable[[Any], "Compiled"] = attrgetter("_compiled")
+compiled_of: Callable[[Any], "RobotKernels"] = attrgetter("_compiled")
 """What a Robot keeps for its functions."""
 
 
-class Compiled:
+class RobotKernels:
     """Kernels of one robot by name; each is compiled at its first use.
 
     machine: the robot with its bodies' own frames (z along the joints) and inertias, for functions of frames, single
@@ -115,7 +115,7 @@ class Compiled:
     def structure(self) -> Hashable:
         return structure_of([*self._drives.items()])
 
-    def share_kernels_with(self, other: "Compiled") -> None:
+    def share_kernels_with(self, other: "RobotKernels") -> None:
         """Shares kernels with a robot of the same mechanism, if their drives differ in numbers only."""
         if self.structure == other.structure:
             self._shared = other._shared

@@ -15,7 +15,7 @@ Function = Callable[..., Any]
 
 
 class Plain(NamedTuple):
-    """Arguments of `Compiled.function` for a function, apart from its name."""
+    """Arguments of `RobotKernels.function` for a function, apart from its name."""
 
     definition: Function
     inputs: str

@@ -203,7 +203,7 @@ def _moves(base: Base, times: int) -> Pass:
     return Pass("once", Stage(moves, reads, writes))
 
 
-class Own(NamedTuple):
+class BasePart(NamedTuple):
     """A base's part of matrices: passes, and sizes of regions with a row for each body and of those apart."""
 
     passes: list[Pass]
@@ -216,10 +216,10 @@ class Own(NamedTuple):
         return steps._replace(passes=[*steps.passes, *self.passes, pairs], kept=kept, apart=apart)
 
 
-NO_BASE = Own([], {}, {})
+NO_BASE = BasePart([], {}, {})
 
 
-def _couples(base: Base, names: Mapping[str, str]) -> Own:
+def _couples(base: Base, names: Mapping[str, str]) -> BasePart:
     """Entries of a base's torques and speeds with each carried body, and among themselves.
 
     names: which of `MATRICES` are wanted, and their names there.
@@ -252,4 +252,4 @@ def _couples(base: Base, names: Mapping[str, str]) -> Own:
     reads = ("base.body", "base.changes", "effort", "felt", "span")
     blocks = Stage(among, ("base.carried", "base.changes"), [*apart])
     passes = [Pass("alone", Stage(couples, reads, shared)), Pass("once", blocks)]
-    return Own(passes, dict.fromkeys(shared, base.axes), apart)
+    return BasePart(passes, dict.fromkeys(shared, base.axes), apart)

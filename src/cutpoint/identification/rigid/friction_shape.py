@@ -15,7 +15,7 @@ from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
 from cutpoint.identification.rigid.least_squares import huber_weights, solved, split, weighted_rows
 from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
-from cutpoint.identification.rigid.rigid_estimate import Log
+from cutpoint.identification.rigid.rigid_estimate import TorqueData
 from cutpoint.identification.rigid.rigid_robot import laws_with
 from cutpoint.mechanics.friction import Sliding
 
@@ -37,7 +37,7 @@ CHANGE = 1e-4
 
 
 def best_shapes(
-    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array, offsets: bool
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData, loads: Array, offsets: bool
 ) -> dict[str, Sliding]:
     """The laws, with the shapes that explain the torques best for some joints.  loads: (N, n), N m.
 
@@ -63,7 +63,7 @@ def _steps(
     base: BaseParameters,
     laws: Laws,
     joints: Collection[str],
-    log: Log,
+    log: TorqueData,
     loads: Array,
     linear: Regression,
     offsets: bool,
@@ -81,7 +81,7 @@ def _steps(
 
 
 def shape_slopes(
-    base: BaseParameters, laws: Laws, joints: Collection[str], log: Log, loads: Array
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData, loads: Array
 ) -> tuple[list[Shape], Array]:
     """The k shape parameters of some joints' laws, and derivatives (M, n, k) of the torques by them."""
     shapes = [(joint, name) for joint in joints for name in shape_of(laws[joint])]

@@ -29,7 +29,7 @@ from cutpoint.identification.rigid.least_squares import Estimate, least_squares,
 from cutpoint.identification.rigid.physical import Solver, check_solver, physical
 from cutpoint.identification.rigid.physical_fit import fit_of
 from cutpoint.identification.rigid.regression import Regression, regression
-from cutpoint.identification.rigid.rigid_estimate import Fitted, Log, RigidEstimate, estimate_of, sizes_of_others
+from cutpoint.identification.rigid.rigid_estimate import Fitted, RigidEstimate, TorqueData, estimate_of, sizes_of_others
 from cutpoint.identification.rigid.rigid_robot import (
     error_slopes,
     friction_of_links,
@@ -152,7 +152,7 @@ class _How(NamedTuple):
     solver: Solver
 
 
-def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: Log, loads: Array, how: _How) -> Fitted:
+def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, loads: Array, how: _How) -> Fitted:
     """The fit of the torques, with physically consistent bodies.
 
     loads: (N, n), N m, on which friction may depend, and of which kinematic errors take a share.
@@ -188,7 +188,7 @@ def _log(
     bandwidth: float | None,
     torque_constants: Mapping[str, float] | None,
     errors: Mapping[str, KinematicError],
-) -> Log:
+) -> TorqueData:
     motion, torque = motion_of(robot, recording, cutoff), torques_of(robot, recording, torque_constants)
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     stated[[*rotors]] = 0.0
@@ -196,7 +196,7 @@ def _log(
     width = explained(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
     means, slopes = decimation(known, motion.period, width), error_slopes(robot, motion, errors)
-    return Log(motion, torque, means, stated, width, float(recording.time[0]), slopes)
+    return TorqueData(motion, torque, means, stated, width, float(recording.time[0]), slopes)
 
 
 def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:
@@ -206,7 +206,7 @@ def _estimate(found: Regression, method: Method, instruments: Array | None, *bes
     return least_squares(found, method, *beside)
 
 
-def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
+def _choices(base: BaseParameters, log: TorqueData, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
     """The law of each moving joint, from its torques less those of the links.
 
     The links' torques come from a fit with the stated laws, and are uncertain by its deviations.
@@ -228,7 +228,7 @@ def _choices(base: BaseParameters, log: Log, loads: Array, offsets: bool) -> tup
 
 
 def _shaped(
-    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: Log, loads: Array, offsets: bool
+    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: TorqueData, loads: Array, offsets: bool
 ) -> tuple[FrictionChoice, ...]:
     """The same laws with the shapes that fit the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
@@ -247,7 +247,7 @@ def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
     return replace(found, notes=(*found.notes, f"{told}, and by then it is another; {remedy}"))
 
 
-def _rotor_torques(base: BaseParameters, log: Log, errors: Mapping[str, float]) -> Array:
+def _rotor_torques(base: BaseParameters, log: TorqueData, errors: Mapping[str, float]) -> Array:
     """(M, n, n): additional torques if each rotor's inertia were larger by its error."""
     sizes = np.array([errors.get(joint, 0.0) for joint in base.robot.joints])
     return np.asarray(log.means(log.motion.w_dot * sizes)[..., None] * np.eye(sizes.size))

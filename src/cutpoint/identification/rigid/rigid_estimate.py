@@ -83,7 +83,7 @@ class RigidEstimate:
         return self.model.torque(self.robot, motion_of(self.robot, recording, cutoff))
 
 
-class Log(NamedTuple):
+class TorqueData(NamedTuple):
     """A recording as used: all samples, and their decimation.
 
     stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 for others.  width: Hz, of the means.
@@ -98,7 +98,7 @@ class Log(NamedTuple):
     start: float
     slopes: Array
 
-    def without_errors(self, loads: Array) -> "Log":
+    def without_errors(self, loads: Array) -> "TorqueData":
         """With the torques of drives without kinematic errors.  loads: (N, n) N m that the drives transmit."""
         return self._replace(torque=self.torque + self.slopes * loads)
 
@@ -110,7 +110,7 @@ class Fitted(NamedTuple):
     laws: Mapping[str, Sliding]
     link_friction: Mapping[str, Friction]
     errors: Mapping[str, KinematicError]
-    log: Log
+    log: TorqueData
     regression: Regression
     estimate: Estimate
     bodies: Physical
@@ -170,14 +170,14 @@ def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
     return parameters(found.names, estimate, bodies.base, prior, sizes, level)
 
 
-def sizes_of_others(base: BaseParameters, log: Log, names: Sequence[str]) -> Array:
+def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str]) -> Array:
     """Usual sizes of friction and offsets (k,) in a robot that moves and works as in this log."""
     channels = log.torque, sliding_speeds(base.robot, log.motion)
     torque, speed = (np.sqrt(np.mean(log.means(x) ** 2, axis=0)) for x in channels)
     return friction_sizes(names, base.robot.joints, torque, speed)
 
 
-def _standing(robot: Robot, log: Log) -> list[str]:
+def _standing(robot: Robot, log: TorqueData) -> list[str]:
     still = ", ".join(still_joints(robot, log.motion))
     return [f"{still} stood still: what moves with these alone, and their friction, is not told"] if still else []
 
@@ -197,7 +197,7 @@ def _simplified(model: RigidModel, robot: Robot) -> list[str]:
     ) if joints]  # fmt: skip
 
 
-def _notes(log: Log, found: Regression, estimate: Estimate) -> list[str]:
+def _notes(log: TorqueData, found: Regression, estimate: Estimate) -> list[str]:
     lag, step = estimate.spread.lag, float(np.median(np.diff(found.times)))
     return [
         f"positions low-passed at {log.motion.cutoff:.4g} Hz, torques explained up to {log.width:.4g} Hz: "
