@@ -9,6 +9,7 @@ from test_large_trees import model_of
 
 from cutpoint import Drive, Flexspline, LinearSpring, Robot, Rotor, Stribeck, derivatives
 from cutpoint.derivatives import definitions, sweeps
+from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.large import inverse_of
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
@@ -100,7 +101,7 @@ def test_elastic_derivatives_that_follow_from_loops_are_the_swept_ones(mechanism
     robot = Robot(mechanism, driven_by_turns(mechanism))
     s = states(robot, 2)
     del s["a"]
-    assert derivatives.elastic_loops(robot)
+    assert elastic_loops(robot)
     found = derivatives.elastic_forward_dynamics(robot, **s)
     for ours, theirs in zip(found, sweeps.elastic_forward_dynamics(robot, **s), strict=True):
         assert ours.shape == theirs.shape
@@ -144,7 +145,7 @@ def test_elastic_inverse_dynamics_derivatives_of_a_large_robot_are_its_differenc
 @pytest.mark.parametrize("mechanism", [chain(26), based("floating", 26)], ids=["chain", "floating"])
 def test_large_robots_are_linearised_as_well_from_loops_as_by_sweeps(mechanism: Mechanism, friction: bool) -> None:
     looped, swept = (Robot(mechanism, driven_by_turns(mechanism), backend=x) for x in ("llvm", "numpy"))
-    assert derivatives.elastic_loops(looped) and not derivatives.elastic_loops(swept)
+    assert elastic_loops(looped) and not elastic_loops(swept)
     q, v = looped.random(1), np.zeros(looped.nv)
     v[-26:] = np.linspace(-0.1, 0.1, 26)
     torque = np.ones(len(looped.drives))

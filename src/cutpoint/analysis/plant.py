@@ -12,6 +12,7 @@ from cutpoint import definitions, derivatives, kernels
 from cutpoint.definitions import Machine
 from cutpoint.derivatives import sweeps
 from cutpoint.derivatives.definitions import elastic_forward_dynamics
+from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
@@ -36,7 +37,7 @@ class Plant(NamedTuple):
 
 def plant_of(robot: Robot, friction: bool) -> Plant:
     """Raises ModelError: a joint moves no inertia."""
-    if derivatives.elastic_loops(robot):
+    if elastic_loops(robot):
         return _looped(robot if friction else _bare(robot))
     return _swept(robot if friction else _bare(robot)) if sweeps.is_swept(robot) else _compiled(robot, friction)
 

@@ -1,0 +1,205 @@
+"""Derivatives of a robot's dynamics as users call them: compiled, by loops over bodies, or swept; see the package."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint.derivatives import definitions, large, sweeps
+from cutpoint.door import LARGEST
+from cutpoint.drive_slopes import STATE, EffortSlopes
+from cutpoint.errors import InputError
+from cutpoint.functions.compiled import compiled_of
+from cutpoint.functions.variants import motion_names, with_options, wrong_motion
+from cutpoint.mechanics.elastic import Options
+from cutpoint.robot import Robot
+
+if TYPE_CHECKING:
+    from cutpoint.rolled.equations.solver import Solver
+
+Array = NDArray[np.float64]
+
+MOST_COMPILED = 48
+"""Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""
+
+MOST_LOOPED = 4000
+"""Bodies of which derivatives run as loops: three matrices, 0.4 gigabytes in all, and as much to work in; to solve for
+accelerations takes some 3 gigabytes."""
+
+
+class InverseDynamicsDerivatives(NamedTuple):
+    """d torque / d (q, v, a), each (..., nv, nv) with a row for each torque; d_a is the mass matrix."""
+
+    d_q: Array
+    d_v: Array
+    d_a: Array
+
+
+class ForwardDynamicsDerivatives(NamedTuple):
+    """d a / d (q, v, tau), each (..., nv, nv) with a row for each acceleration; d_tau is the mass matrix' inverse."""
+
+    d_q: Array
+    d_v: Array
+    d_tau: Array
+
+
+class ElasticInverseDynamicsDerivatives(NamedTuple):
+    """d motor_torque / d (q, v, a, jerk, snap), each (..., drives, nv); d_higher: with respect to each further rate."""
+
+    d_q: Array
+    d_v: Array
+    d_a: Array
+    d_jerk: Array
+    d_snap: Array
+    d_higher: tuple[Array, ...] = ()
+
+
+class ElasticForwardDynamicsDerivatives(NamedTuple):
+    """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque).
+
+    Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
+    """
+
+    d_a_d_q: Array
+    d_a_d_v: Array
+    d_a_d_theta: Array
+    d_a_d_theta_dot: Array
+    d_a_d_motor_torque: Array
+    d_theta_ddot_d_q: Array
+    d_theta_ddot_d_v: Array
+    d_theta_ddot_d_theta: Array
+    d_theta_ddot_d_theta_dot: Array
+    d_theta_ddot_d_motor_torque: Array
+
+
+def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
+    """Derivatives of `Robot.inverse_dynamics`, the joint torques of a motion."""
+    if made := compiled_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
+        return made(q, v, a)
+    if not _is_looped(robot) and sweeps.is_swept(robot):
+        return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
+    definition = definitions.inverse_dynamics
+    return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
+
+
+def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
+    """Derivatives of `Robot.forward_dynamics`, the accelerations under joint torques."""
+    if made := compiled_of(robot).functions.get(("forward_dynamics_derivatives", None)):
+        return made(q, v, tau)
+    if _is_looped(robot) or sweeps.is_swept(robot):
+        a = robot.forward_dynamics(q, v, tau)
+        rigid = _rigid_at(robot, "forward_dynamics", q, v, a)
+        solver, position = _solver(robot), np.asarray(q, dtype=np.float64)
+        return ForwardDynamicsDerivatives(*large.forward_dynamics(position, *rigid, solver))
+    definition = definitions.forward_dynamics
+    return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
+
+
+def elastic_inverse_dynamics(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    jerk: ArrayLike,
+    snap: ArrayLike,
+    *higher: ArrayLike,
+    friction_rates: bool = False,
+    quasi_rigid: bool = False,
+) -> ElasticInverseDynamicsDerivatives:
+    """Derivatives of the motor torques of `Robot.elastic_inverse_dynamics`: see there for options and higher rates.
+
+    Strains are not supported.
+    """
+    with_options(friction_rates, quasi_rigid)  # checks them
+    options = Options(friction_rates, quasi_rigid)
+    needed = 4 if quasi_rigid else robot.derivatives_needed
+    given = (q, v, a, jerk, snap, *higher)
+    if len(given) != needed + 1:
+        raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
+    function = compiled_of(robot).functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
+    found = function(*given)
+    return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
+
+
+def elastic_forward_dynamics(
+    robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
+) -> ElasticForwardDynamicsDerivatives:
+    """Derivatives of `Robot.elastic_forward_dynamics`, the accelerations of links and motors under motor torques."""
+    if made := compiled_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
+        return made(q, v, theta, theta_dot, motor_torque)
+    name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
+    state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
+    if elastic_loops(robot):
+        a = robot.elastic_forward_dynamics(**state).a
+        function = compiled_of(robot).function
+        slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
+        rigid = _rigid_at(robot, name, q, v, a)
+        solver = _solver(robot)
+        position = np.asarray(q, dtype=np.float64)
+        return record(*large.elastic_forward_dynamics(robot.machine.drives, position, *rigid, slopes, solver))
+    if sweeps.is_swept(robot):
+        return record(*sweeps.elastic_forward_dynamics(robot, **state))
+    return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
+
+
+_ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
+
+
+def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..., Any]:
+    """The derivatives of an elastic inverse dynamics, compiled.  Raises InputError if the robot is too large."""
+    bodies, compiled = len(robot.mechanism.bodies), compiled_of(robot)
+    most = MOST_LOOPED if compiled.loops((_ELASTIC_INVERSE, options)) else MOST_COMPILED
+    if bodies > most:
+        raise sweeps.too_large(bodies, most)
+    definition = partial(definitions.elastic_inverse_dynamics, options=options)
+    record = definitions.ElasticInverseDynamicsDerivatives if needed == 4 else None
+    inputs = motion_names(needed)
+    return compiled.function((_ELASTIC_INVERSE, options), definition, inputs, True, record)
+
+
+def elastic_loops(robot: Robot) -> bool:
+    """Whether derivatives of elastic forward dynamics follow from loops: no rotor behind a spring feels its carrier."""
+    return _is_looped(robot) and not robot.machine.system.has_sprung_rotors
+
+
+def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
+    """The derivatives of inverse dynamics at the accelerations that a function of this name computed."""
+    compiled_of(robot).remember_as_loops(f"{name}_derivatives")
+    try:
+        return inverse_dynamics(robot, q, v, a)
+    except InputError as error:
+        if (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
+            raise
+        told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        remedy = "are they in rad, rad/s and N m?"
+        raise InputError(f"{name}_derivatives: {told}; {remedy}", largest=largest) from error
+
+
+def _solver(robot: Robot) -> "Solver | None":
+    """Solver of equations with the mass matrix, where derivatives run as loops."""
+    return compiled_of(robot).solver if _is_looped(robot) else None
+
+
+def _is_looped(robot: Robot) -> bool:
+    """Whether derivatives of rigid dynamics run as loops.  Raises InputError if their matrices would be too large."""
+    if not compiled_of(robot).derivatives_loop:
+        return False
+    if len(robot.mechanism.bodies) > MOST_LOOPED:
+        raise sweeps.too_large(len(robot.mechanism.bodies), MOST_LOOPED)
+    return True
+
+
+def _function(
+    robot: Robot,
+    name: str,
+    definition: Callable[..., Any],
+    inputs: str,
+    reads_drives: bool = False,
+    *,
+    record: type[tuple[Any, ...]],
+) -> Callable[..., Any]:
+    """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
+    key = (f"{name}_derivatives", None)
+    return compiled_of(robot).function(key, definition, inputs, reads_drives, record)
