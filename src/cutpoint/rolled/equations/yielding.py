@@ -67,8 +67,25 @@ class Yielding:
 def _with_columns(rolled: Rolled, step: Kept, lanes: int, axes: int) -> Rolled:
     """Adds the loop over blocks of columns, each through all bodies inward and outward.
 
-    borne: wrenches of what a body carries; the first to be added finds there what the previous block has left.
-    axes: of a base.
+    borne: wrenches of what a body carries.  axes: of a base.
+    """
+    hold = Stage(lambda x: x, ("step of one",), ("held",))
+    sweeps = [_inward(step, lanes), *([_at_base(axes, lanes)] if axes else []), _outward(step, lanes)]
+    streams, wide = ["given", "found"], {"given": 1, "found": 1, "borne": 6, "added": 6}
+    if axes:
+        streams, wide = [*streams, "base.given", "base.found"], {**wide, "base.given": axes, "base.found": axes}
+    loops = [
+        LaneLoop("bodies", [hold], ("held",), views=[View("step of one", "step", "self")]),
+        Loop("columns", sweeps, streams),
+    ]
+    regions = [Region("held", step.size), Region("first", 1), *(Region(k, x * lanes, lanes) for k, x in wide.items())]
+    return Rolled(Loop(1, [*rolled.body.body, *loops]), (*rolled.regions, *regions))
+
+
+def _inward(step: Kept, lanes: int) -> Loop:
+    """Torques to which joints give way, and the wrench that each body hands on to its carrier.
+
+    first: whether a body is the first to do so, and finds there what the previous block has left.
     """
 
     def inward(held: Any, first: Any, b: Any, own: Any, carrier: Any) -> Any:
@@ -79,39 +96,38 @@ def _with_columns(rolled: Rolled, step: Kept, lanes: int, axes: int) -> Rolled:
         handed = there + X.inward(P) + Wrench(share.force * left, share.moment * left)
         return [gain * left], [*handed]
 
+    bears = View("carrier's borne", "borne", "carrier")
+    back = Stage(inward, ("held", "first", "given", "borne", bears.name), ("found", bears.name), lanes)
+    return Loop("bodies", [back], ("held", "first", "given", "found", "borne"), backward=True, views=[bears])
+
+
+def _outward(step: Kept, lanes: int) -> Loop:
+    """Each joint's acceleration from its carrier's."""
+
     def outward(held: Any, own: Any, carrier: Any) -> Any:
         z, share, _, X = _step(step.all(held))
         A = motion_of(carrier)
         x = own[0] - A.power(share)
         return [x], [*(X.outward(A) + z * x)]
 
-    def of_base(held: Any, b: Any, own: Any) -> Any:
+    leads = View("carrier's added", "added", "carrier")
+    forth = Stage(outward, ("held", "found", leads.name), ("found", "added"), lanes)
+    return Loop("bodies", [forth], ("held", "found", "added"), views=[leads])
+
+
+def _at_base(axes: int, lanes: int) -> Loop:
+    """A base's accelerations, and what they add to those of the bodies on it."""
+
+    def at_base(held: Any, b: Any, own: Any) -> Any:
         gains, P = [held[k : k + axes] for k in range(0, axes**2, axes)], wrench_of(own)
         S = [motion_of(held[k : k + 6]) for k in range(axes**2, len(held), 6)]
         left = [0 - torque - z.power(P) for torque, z in zip(b, S, strict=True)]
         x = [dot(row, left) for row in gains]
         return x, [*sum((z * a for z, a in zip(S, x, strict=True)), STILL)]
 
-    hold = Stage(lambda x: x, ("step of one",), ("held",))
-    bears, leads = (View(f"carrier's {name}", name, "carrier") for name in ("borne", "added"))
-    back = Stage(inward, ("held", "first", "given", "borne", bears.name), ("found", bears.name), lanes)
-    forth = Stage(outward, ("held", "found", leads.name), ("found", "added"), lanes)
-    sweeps = [
-        Loop("bodies", [back], ("held", "first", "given", "found", "borne"), backward=True, views=[bears]),
-        Loop("bodies", [forth], ("held", "found", "added"), views=[leads]),
-    ]
-    streams, wide = ["given", "found"], {"given": 1, "found": 1, "borne": 6, "added": 6}
-    if axes:
-        views = [View(f"base's {name}", name, "of base") for name in ("borne", "added")]
-        stage = Stage(of_base, ("base.step", "base.given", views[0].name), ("base.found", views[1].name), lanes)
-        sweeps.insert(1, Loop(1, [stage], views=views))
-        streams, wide = [*streams, "base.given", "base.found"], {**wide, "base.given": axes, "base.found": axes}
-    loops = [
-        LaneLoop("bodies", [hold], ("held",), views=[View("step of one", "step", "self")]),
-        Loop("columns", sweeps, streams),
-    ]
-    regions = [Region("held", step.size), Region("first", 1), *(Region(k, x * lanes, lanes) for k, x in wide.items())]
-    return Rolled(Loop(1, [*rolled.body.body, *loops]), (*rolled.regions, *regions))
+    views = [View(f"base's {name}", name, "of base") for name in ("borne", "added")]
+    reads, writes = ("base.step", "base.given", views[0].name), ("base.found", views[1].name)
+    return Loop(1, [Stage(at_base, reads, writes, lanes)], views=views)
 
 
 def _step(numbers: Scalars) -> tuple[Motion, Wrench, Scalar, Pose]:
