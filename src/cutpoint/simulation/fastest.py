@@ -77,23 +77,9 @@ def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array |
     for m, (q, mobility) in enumerate(postures):
         lead = robot.static_deflection(q) if deflections is None else deflections[m]
         K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
-        on_link = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1])
-        # [a; theta''] = -mobility [K + b_l, -K; -K, K + b_m] [q; theta]
-        by_link, by_motor = np.hsplit(mobility, 2)
-        on_motor = K + bristles[:, 1]
-        square, shape = _largest_eigenvalue(
-            np.hstack([by_link * on_link - by_motor * K, by_motor * on_motor - by_link * K])
-        )
+        square, shape = _largest_eigenvalue(_swing(mobility, K, bristles, elastic))
         if (rate := float(np.sqrt(square))) > best.rate:
-            at_link, at_motor = np.split(shape, 2)
-            at_motor = np.where(elastic, at_motor, at_link)
-            strains = {
-                "spring": K * (at_motor - at_link) ** 2,
-                "link friction's bristles": bristles[:, 0] * at_link**2,
-                "motor friction's bristles": bristles[:, 1] * at_motor**2,
-            }
-            part = max(strains, key=lambda part: strains[part].max())
-            best = Limit(rate, f"the {part} of {names[int(strains[part].argmax())]!r}")
+            best = Limit(rate, _most_strained(names, K, bristles, elastic, shape))
     return best
 
 
@@ -163,6 +149,29 @@ def fastest_wave(robot: Robot, speeds: Array) -> Limit:
         rate = float(order * abs(drive.ratio * speed))
         best = max(best, Limit(rate, f"waves of order {order} of the motor of {name!r}"))
     return best
+
+
+def _swing(mobility: Array, K: Array, bristles: Array, elastic: NDArray[np.bool_]) -> Array:
+    """-[a; theta''] for each of [q; theta]: mobility [K + b_l, -K; -K, K + b_m]; a rigid drive's b_m acts on its link.
+
+    K: (drives,), N m/rad.  bristles: (drives, 2), b_l and b_m, N m/rad.
+    """
+    by_link, by_motor = np.hsplit(mobility, 2)
+    on_link, on_motor = K + bristles[:, 0] + np.where(elastic, 0.0, bristles[:, 1]), K + bristles[:, 1]
+    return np.hstack([by_link * on_link - by_motor * K, by_motor * on_motor - by_link * K])
+
+
+def _most_strained(names: Sequence[str], K: Array, bristles: Array, elastic: NDArray[np.bool_], shape: Array) -> str:
+    """The part with most of a mode's strain energy.  K, bristles: as in `_swing`."""
+    at_link, at_motor = np.split(shape, 2)
+    at_motor = np.where(elastic, at_motor, at_link)
+    strains = {
+        "spring": K * (at_motor - at_link) ** 2,
+        "link friction's bristles": bristles[:, 0] * at_link**2,
+        "motor friction's bristles": bristles[:, 1] * at_motor**2,
+    }
+    part = max(strains, key=lambda part: strains[part].max())
+    return f"the {part} of {names[int(strains[part].argmax())]!r}"
 
 
 def _largest_eigenvalue(A: Array) -> tuple[float, Array]:
