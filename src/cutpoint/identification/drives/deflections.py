@@ -24,6 +24,8 @@ class TorqueReading:
     both on the encoders and on the torque ratio of spring and motor.  None for the link's.
     noise: RMS of the encoders', rad; residuals beyond it are due to the torque.  By default all is the encoders'.
     band: Hz, cut-off of a filter applied to angles and torque; None if there was none.
+    angle: (N,), rad, the motor's before that filter, which does not commute with waves of kinematic error; NaN where a
+    channel was unknown before the filter.  None for the angle given beside the torque.
     """
 
     unknowns: Mapping[str, Array] = field(default_factory=dict)
@@ -31,6 +33,7 @@ class TorqueReading:
     transmission: Array | None = None
     noise: float = np.inf
     band: float | None = None
+    angle: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,7 @@ class Deflections:
     """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
 
     resolution: rad at the joint's side.  cutoff: Hz, of the deflection used for its rate and reversals.
-    reading: of the torque, with channels like these.
+    reading: of the torque, with channels like these, except its angle.  among: which samples of that these are.
     """
 
     lead: Array
@@ -49,6 +52,7 @@ class Deflections:
     resolution: float
     cutoff: float
     reading: TorqueReading
+    among: NDArray[np.bool_]
 
     @property
     def corrections(self) -> Array:
@@ -62,7 +66,11 @@ class Deflections:
 
     def waves(self, orders: Sequence[int]) -> Array:
         """Sine and cosine (N, 2 k) of k waves per turn of the motor, through the same filter as the channels."""
-        return self._passed(wave_columns(self.ratio * self.theta, orders))
+        before, band = self.reading.angle, self.reading.band
+        if before is None or band is None:
+            return self._passed(wave_columns(self.ratio * self.theta, orders))
+        # filtered with the samples beyond these ends, as the channels were
+        return low_pass(wave_columns(self.ratio * before, orders), self.period, band)[self.among]
 
     def torque_by_waves(self, orders: Sequence[int]) -> tuple[Array, Array]:
         """Derivatives (N, 2 k), N m/rad, of the torque by the waves' weights, and their part already in it, (N,).
@@ -73,8 +81,13 @@ class Deflections:
         if share is None:
             return np.zeros((self.theta.size, 2 * len(orders))), np.zeros_like(self.torque)
         by_slope = self.torque / share
-        found = by_slope[:, None] * self.ratio * wave_slopes(self.ratio * self.theta, orders)
+        found = by_slope[:, None] * self.ratio * wave_slopes(self.ratio * self._angle, orders)
         return self._passed(found), self._passed(by_slope * (1.0 - share))
+
+    @property
+    def _angle(self) -> Array:
+        """(N,), rad, of the motor, unfiltered if known."""
+        return self.theta if self.reading.angle is None else self.reading.angle[self.among]
 
     def _passed(self, values: Array) -> Array:
         """Applies the channels' filter; the ends stay unfiltered."""

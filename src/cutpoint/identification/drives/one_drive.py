@@ -195,10 +195,11 @@ def _from_motor(
         share = transmitted_share(spring, joint.theta, ratio)
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
+        angle = np.where(np.isfinite(channels).all(axis=0), joint.theta, np.nan)
         theta, q, left, *columns = low_pass_together(channels, period, band)
         seen = _is_seen(spring)
         found = dict(zip(unknowns, columns, strict=True)) if seen else {}
-        reading = TorqueReading(found, {"inertia": rotor["inertia"] * shaking**2}, share, noise, band)
+        reading = TorqueReading(found, {"inertia": rotor["inertia"] * shaking**2}, share, noise, band, angle)
         spring = two_encoders(
             theta, q, left, period, ratio,
             resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,

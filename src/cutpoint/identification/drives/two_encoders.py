@@ -103,7 +103,9 @@ def _deflections(
 ) -> Deflections:
     """The channels of `two_encoders` at the samples at which all are known."""
     unknowns, share = reading.unknowns, reading.transmission
-    angle, link, load, *own = _known(theta, q, joint_torque, *unknowns.values(), *([] if share is None else [share]))
+    among, (angle, link, load, *own) = _known(
+        theta, q, joint_torque, *unknowns.values(), *([] if share is None else [share])
+    )
     known = dict(zip(unknowns, own, strict=False))
     return Deflections(
         angle - link,
@@ -114,6 +116,7 @@ def _deflections(
         _resolution(angle, link, resolution),
         cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=HIGHEST / period), HIGHEST / period),
         reading=replace(reading, unknowns=known, transmission=None if share is None else own[-1]),
+        among=among,
     )
 
 
@@ -125,8 +128,8 @@ def smallest_step(values: Array) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def _known(*channels: ArrayLike) -> list[Array]:
-    """The channels, angles of motor and link and torque first, at the samples at which all are known."""
+def _known(*channels: ArrayLike) -> tuple[NDArray[np.bool_], list[Array]]:
+    """The samples at which all channels are known, and these there, angles of motor and link and torque first."""
     arrays = [np.asarray(x, dtype=np.float64) for x in channels]
     shapes = [x.shape for x in arrays]
     if arrays[0].ndim != 1 or len(set(shapes)) > 1:
@@ -137,7 +140,7 @@ def _known(*channels: ArrayLike) -> list[Array]:
     angle, link, load, *others = (x[known] for x in arrays)
     if not (np.ptp(load) and np.ptp(angle - link)):
         raise InputError("two_encoders: neither torque nor deflection may stand still: they show no spring")
-    return [angle, link, load, *others]
+    return known, [angle, link, load, *others]
 
 
 def _resolution(angle: Array, link: Array, resolution: float | None) -> float:
