@@ -74,3 +74,16 @@ def test_damping_is_found_in_a_band_narrower_than_the_waves(monkeypatch: pytest.
     assert found.rotor["inertia"] == pytest.approx(ROTOR, rel=1e-3)
     (wave,) = found.spring.kinematic_error.harmonics
     assert wave.order == 2 and wave.amplitude == pytest.approx(WAVE, rel=1e-2)
+
+
+def test_damping_is_found_beside_gaps():
+    recording = log()
+    unknown = (recording.time % 2.0 > 1.5) & (recording.time % 2.0 < 1.7)
+    found = identify_drives(
+        pendulum(),
+        recording.with_channels(lambda values: np.where(unknown[:, None], np.nan, values)),
+        1e-6,
+        torque_delay=0.5 * PERIOD,
+    ).joints["axle"]
+    assert found.spring.damping == pytest.approx(DAMPING, rel=0.005)
+    assert found.spring["stiffness"] == pytest.approx(STIFFNESS, rel=1e-4)

@@ -38,7 +38,7 @@ class TorqueReading:
 
 @dataclass(frozen=True, eq=False)
 class Deflections:
-    """A joint's measured channels, each (N,), without gaps: theta - q and theta in rad, torque in N m; period, s.
+    """A joint's measured channels, each (N,), where all are known: theta - q and theta, rad; torque, N m; period, s.
 
     resolution: rad at the joint's side.  cutoff: Hz, of the deflection used for its rate and reversals.
     reading: of the torque, with channels like these, except its angle.  among: which samples of that these are.
@@ -95,16 +95,28 @@ class Deflections:
         return values if band is None else self.smooth(values, band)
 
     def smooth(self, values: Array, cutoff: float | None = None) -> Array:
-        """Low-passed, by default at `cutoff`; the ends stay unfiltered."""
-        found = low_pass(values, self.period, self.cutoff if cutoff is None else cutoff)
+        """Low-passed, by default at `cutoff`, never across a gap; ends of stretches stay unfiltered."""
+        band = self.cutoff if cutoff is None else cutoff
+        found = np.concatenate([low_pass(part, self.period, band) for part in self._stretches(values)])
         return np.where(np.isfinite(found), found, values)
 
     def rate(self, values: Array) -> Array:
-        """By sixth-order differences, central ones times 1 - d^2 / 6 + d^4 / 30, d^2 a second difference: second-order
-        ones are 6 % too small at a tenth of the sampling rate, fourth-order ones 0.5 %."""
-        simple = np.gradient(values, self.period)
-        bent = _bent(simple)
-        return simple - bent / 6.0 + _bent(bent) / 30.0
+        """By sixth-order differences within each stretch, central ones times 1 - d^2 / 6 + d^4 / 30, d^2 a second
+        difference: second-order ones are 6 % too small at a tenth of the sampling rate, fourth-order ones 0.5 %."""
+        return np.concatenate([_rate(part, self.period) for part in self._stretches(values)])
+
+    def _stretches(self, values: Array) -> list[Array]:
+        """Values (N, ...) split where samples are missing between them."""
+        return np.split(values, np.flatnonzero(np.diff(np.flatnonzero(self.among)) > 1) + 1)
+
+
+def _rate(values: Array, period: float) -> Array:
+    """Derivative (N,) of samples without gaps, zero of a single one."""
+    if values.size < 2:
+        return np.zeros_like(values)
+    simple = np.gradient(values, period)
+    bent = _bent(simple)
+    return simple - bent / 6.0 + _bent(bent) / 30.0
 
 
 def _bent(values: Array) -> Array:

@@ -62,7 +62,7 @@ def two_encoders(
     """A joint's spring and all other sources of deflection, from channels (N,) on one uniform time; NaN: unknown.
 
     theta, q: of the encoders on motor (over ratio) and link, rad; joint_torque: of the drive on the link, N m.
-    Give all three as sampled, or all through one low-pass filter with its cut-off stated in `reading`.
+    Give all three as sampled, or all through one low-pass filter: `reading` then has its cut-off, and theta before it.
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps in the samples.  orders: of the kinematic error, waves per turn of the motor; by default
     those up to 8 that are significant.  laws: spring laws to choose from by cross-validation; one with more constants
@@ -134,7 +134,7 @@ def _known(*channels: ArrayLike) -> tuple[NDArray[np.bool_], list[Array]]:
     shapes = [x.shape for x in arrays]
     if arrays[0].ndim != 1 or len(set(shapes)) > 1:
         raise InputError(f"two_encoders: theta, q, joint torque, unknowns have shapes {shapes}: each must be (N,)")
-    known = np.isfinite(np.column_stack(arrays)).all(axis=1)
+    known = np.asarray(np.isfinite(np.column_stack(arrays)).all(axis=1), np.bool_)
     if known.sum() < LEAST_SAMPLES:
         raise InputError(f"two_encoders: {known.sum()} complete samples are too few: {LEAST_SAMPLES} are needed")
     angle, link, load, *others = (x[known] for x in arrays)
