@@ -114,7 +114,7 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
     fine = drives.elastic_inverse_dynamics(*smooth.derivatives(np.linspace(0.0, 1.0, 1001), 4))
     assert f"{np.abs(fine.motor_torque).max(axis=0)[1]:.4g} N m" in told
     with pytest.raises(
-        InputError, match=r"--period 1e-09 s: 1e\+09 samples are asked for, at most 1e\+06: lengthen it"
+        InputError, match=r"--period 1e-09 s: this gives 1e\+09 samples, at most 1e\+06 are allowed: lengthen it"
     ):
         CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--period", "1e-9"], catch_exceptions=False)
 
@@ -122,13 +122,16 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "a CSV file TRAJECTORY is needed, or --q, one place"),
+        ([], "give a CSV file TRAJECTORY, or one position as --q"),
         (
             ["move.csv", "--q", "0,0,0,0,0,0"],
-            "trajectory 'move.csv' is a motion already: --q, --v, --a and --degrees do",
+            "trajectory 'move.csv' is already a motion: leave out --q, --v, --a and --degrees",
         ),
-        (["--q", "0,0,0,0,0,0", "--output", "torques.csv"], "--output, --plot and --smoothing are for a CSV file"),
-        (["--q", "0,0,0,0,0,0", "--smoothing", "5"], "--output, --plot and --smoothing are for a CSV file"),
+        (
+            ["--q", "0,0,0,0,0,0", "--output", "torques.csv"],
+            "--output, --plot and --smoothing apply only to a CSV file",
+        ),
+        (["--q", "0,0,0,0,0,0", "--smoothing", "5"], "--output, --plot and --smoothing apply only to a CSV file"),
     ],
 )
 def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:
@@ -192,22 +195,34 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["simulate", "xia2019"], "a motion is needed: a CSV file TRAJECTORY, or --to with --duration"),
+        (["simulate", "xia2019"], "a motion is needed: give a CSV file TRAJECTORY, or --to with --duration"),
         (
             ["simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "1", "--law", "VDC", "--feedforward", "rigid"],
-            "--feedforward rigid: VDC has the robot's model in it; leave it out, or take --law PD or PID",
+            "--feedforward rigid: VDC already contains the robot's model; leave this out, or use --law PD or PID",
         ),
-        (["export", "xia2019", "out"], "a --function or a --law, and not both"),
+        (["export", "xia2019", "out"], "give either --function or --law, not both"),
         (
             ["export", "xia2019", "out", "--law", "PD", "--function", "jacobian"],
-            "a --function or a --law, and not both",
+            "give either --function or --law, not both",
         ),
-        (["export", "xia2019", "out", "--law", "PD", "--frame", "link6"], "--frame is for a --function: leave it out"),
-        (["export", "xia2019", "out", "--law", "PD", "--to", "cuda"], "--to cuda is for a --function: leave it out"),
+        (
+            ["export", "xia2019", "out", "--law", "PD", "--frame", "link6"],
+            "--frame applies only to --function: leave it out",
+        ),
+        (
+            ["export", "xia2019", "out", "--law", "PD", "--to", "cuda"],
+            "--to cuda applies only to --function: leave it out",
+        ),
         (["export", "xia2019", "out", "--law", "PD", "--bandwidth", "0"], "bandwidth 0.0 Hz must be positive"),
         (["export", "xia2019", "out", "--law", "PD", "--period", "0"], "control_period 0.0 s must be positive"),
-        (["export", "xia2019", "out", "--function", "jacobian", "--guard"], "--guard is for a --law: leave it out"),
-        (["export", "xia2019", "out", "--function", "jacobian", "--period", "1"], "--period is for a --law: leave"),
+        (
+            ["export", "xia2019", "out", "--function", "jacobian", "--guard"],
+            "--guard applies only to --law: leave it out",
+        ),
+        (
+            ["export", "xia2019", "out", "--function", "jacobian", "--period", "1"],
+            "--period applies only to --law: leave",
+        ),
         (["plot", "run.npz", "run.npz"], "'run.npz' is named twice; name each log once"),
         (["export", "xia2019", "out", "--law", "slotineli", "--to", "cuda"], "--to cuda is for a --function"),
     ],
@@ -236,7 +251,7 @@ def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest
     wild = printed("simulate", "arm.urdf", "--to", "1.2", "--duration", "0.25")
     assert "note:" not in calm
     assert re.search(r"note: swing goes to [\d.]+ deg, beyond its limits", wild)
-    assert re.search(r"note: swing is asked for more than its 10 N m in \d+\.\d% of the samples", wild)
+    assert re.search(r"note: swing is asked for more than its limit of 10 N m in \d+\.\d% of the samples", wild)
 
 
 def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -419,7 +434,7 @@ def test_a_study_does_not_write_over_the_report_of_another(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("option", [("--drives", str(robots.XIA2019_DRIVES)), ("--lock", "panda_joint7=0")])
 def test_what_is_said_of_a_file_is_not_forgotten_on_an_arm_that_comes_as_it_is(option: tuple[str, str]) -> None:
-    with pytest.raises(InputError, match=rf"panda comes as it is; leave {option[0]} out"):
+    with pytest.raises(InputError, match=rf"panda takes no such options; leave out {option[0]}"):
         CliRunner().invoke(app, ["compare", "panda", *option], catch_exceptions=False)
 
 
@@ -460,7 +475,7 @@ def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_a_joint_is_locked_at_one_place() -> None:
-    with pytest.raises(InputError, match=r"--lock 'joint2=0.2': 'joint2' is locked at 0.1 already; state one place"):
+    with pytest.raises(InputError, match=r"--lock 'joint2=0.2': 'joint2' is already locked at 0.1; give one position"):
         twice = ["--lock=joint2=0.1", "--lock=joint2=0.2"]
         CliRunner().invoke(app, ["inspect", "xia2019", *twice], catch_exceptions=False)
 

@@ -334,7 +334,7 @@ def test_the_command_keeps_the_last_frame_or_the_named_one_in_a_box(tmp_path: Pa
     [
         (["--box", "0", "0", "1", "1", "1", "0"], r"frame 'tool': box from \[0. 0. 1.\] to \[1. 1. 0.\] is empty"),
         (["--box", "0", "0", "0", "1", "1", "1", "--frame", "hand"], r"no frame is named 'hand'"),
-        (["--frame", "tool"], r"--frame 'tool' .* give that too, --box"),
+        (["--frame", "tool"], r"--frame 'tool' needs a box to stay in: add --box"),
         (["--box", "0", "0", "0", "1", "1"], r"'--box' requires 6 arguments"),
         (["--box", "0", "0", "0", "1", "1", "high"], r"--box.* number"),
     ],

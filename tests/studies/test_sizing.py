@@ -449,7 +449,7 @@ def test_every_mark_stands_within_its_panel_also_where_the_drive_only_brakes():
     ("arguments", "told"),
     [
         (["xia2019"], r"a motion is needed"),
-        (["xia2019", "a.csv", *MOTION], r"is a motion already"),
+        (["xia2019", "a.csv", *MOTION], r"is already a motion"),
         (["xia2019", "missing.csv"], r"'missing.csv' does not exist"),
         (["xia2019", *MOTION, "--json", "x.txt"], r"--json 'x.txt' must end in .json"),
         (["xia2019", *MOTION, "--plot", "no/x.png"], r"folder 'no' does not exist"),

@@ -24,15 +24,15 @@ from cutpoint.mechanics.kinematics import ExpressedIn
 
 HELP = f"""Write a robot's function, or a control law's step, as code for machines without Python.
 
-C99 comes with a check of its bits; functions leave as CUDA C, too.  Functions: {", ".join(RESULTS)}."""
+C99 comes with a bit-exact self-test; functions can also be exported as CUDA C.  Functions: {", ".join(RESULTS)}."""
 
 
 @app.command(help=HELP, epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
 def export(
     robot: RobotFile,
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; made if it is not there.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; created if missing.")],
     function: Annotated[
-        str | None, typer.Option(help="Which of those above: a method of Robot, or its derivatives.")
+        str | None, typer.Option(help="One of the functions above: a method of Robot, or its derivatives.")
     ] = None,
     law: Annotated[
         Name | None,
@@ -40,23 +40,25 @@ def export(
             "--law",
             parser=by_name,
             metavar=NAMES,
-            help="Instead: a law of cutpoint.control, with gains as in simulate.",
+            help="Export a law of cutpoint.control instead, with gains as in simulate.",
         ),
     ] = None,
-    bandwidth: Annotated[float | None, typer.Option(help="Of the law, Hz; 5 if not given.")] = None,
+    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of the law, Hz; default 5.")] = None,
     feedforward: Feed = None,
     period: Annotated[
-        float | None, typer.Option("--period", "--control-period", help="Control period of the law, s; 0.001.")
+        float | None, typer.Option("--period", "--control-period", help="Control period of the law, s; default 0.001.")
     ] = None,
     guard: Annotated[
-        bool, typer.Option("--guard", metavar="", help="The law within limits of robot and drives, and its faults.")
+        bool,
+        typer.Option("--guard", metavar="", help="Wrap the law in a Guard: limits of robot and drives, and faults."),
     ] = False,
     to: Annotated[
         Literal["c", "cuda"],
-        typer.Option(help="What to write: c, a package of C99 with a header for C++17, or cuda, CUDA C."),
+        typer.Option(help="What to write: c, a C99 package with a C++17 header, or cuda, CUDA C."),
     ] = "c",
     precision: Annotated[
-        Literal["float64", "float32"], typer.Option(help="Of every number: float32 for controllers that have no other.")
+        Literal["float64", "float32"],
+        typer.Option(help="Precision of numbers; float32 for controllers without double precision."),
     ] = "float64",
     drives: Drives = None,
     mimic: Mimics = "independent",
@@ -64,11 +66,11 @@ def export(
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
     floating_base: FloatingBase = False,
-    frame: Annotated[str | None, typer.Option(help="For jacobian and frame_pose: of which frame.")] = None,
-    expressed_in: Annotated[ExpressedIn | None, typer.Option(help="For jacobian: along which axes.")] = None,
-    name: Annotated[str | None, typer.Option(help="Of the C function, the same if not given.")] = None,
+    frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
+    expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
+    name: Annotated[str | None, typer.Option(help="Name of the C function; default: that of --function.")] = None,
     force: Annotated[
-        bool, typer.Option("--force", metavar="", help="Overwrite files that cutpoint has not written.")
+        bool, typer.Option("--force", metavar="", help="Overwrite files not written by cutpoint.")
     ] = False,
 ) -> None:
     from cutpoint.control import Guard
@@ -102,7 +104,7 @@ def export(
 def _check_choice(function: str | None, law: str | None, of_laws: dict[str, Any], of_functions: dict[str, Any]) -> None:
     """Raises InputError unless either a function or a law is named, with no option of the other."""
     if (function is None) == (law is None):
-        raise InputError("export: say what shall leave, a --function or a --law, and not both")
+        raise InputError("export: give either --function or --law, not both")
     strange, kind = (of_laws, "law") if law is None else (of_functions, "function")
     for option in [key for key, value in strange.items() if value is not None]:
-        raise InputError(f"export: {option} is for a --{kind}: leave it out")
+        raise InputError(f"export: {option} applies only to --{kind}: leave it out")

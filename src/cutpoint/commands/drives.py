@@ -31,29 +31,29 @@ from cutpoint.errors import InputError
 def check(
     robot: RobotFile,
     trajectory: Annotated[
-        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time, and positions by joint.")
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time and joint positions.")
     ] = None,
     drives: Drives = None,
     to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
-    duration: Annotated[float | None, typer.Option(help="Of the cycloid, s.")] = None,
-    start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
+    duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
+    start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
     mimic: Mimics = "independent",
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
     smoothing: Smoothing = None,
-    dwell: Annotated[float, typer.Option(help="Pause after the motion, s, in its last position.")] = 0.0,
+    dwell: Annotated[float, typer.Option(help="Pause at the last position after the motion, s.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
-    life: Annotated[float | None, typer.Option(help="Hours asked of the gears.")] = None,
+    life: Annotated[float | None, typer.Option(help="Required life of the gears, hours.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Save all numbers: .json.")] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the torque-speed planes: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Whether the drives are large enough for a motion that is repeated, by which margin, and how long gears last.
+    """Check whether the drives are large enough for a repeated motion, by what margin, and how long the gears last.
 
-    Exit status: 0 if every limit that is stated holds, 3 if some margin is below 1, 1 on wrong input.
+    Exit status: 0 if every stated limit holds, 3 if any margin is below 1, 1 on invalid input.
     """
     from cutpoint.studies.sizing import sizing
     from cutpoint.studies.sizing.table import sentences, table_of
@@ -78,12 +78,14 @@ def check(
 @app.command(epilog="Example: cutpoint drive CSG-20-100 --plot drive.png")
 def drive(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help="Of the catalogue; all are listed without.")
+        str | None, typer.Argument(metavar="NAME", help="Name in the catalogue; without it, all drives are listed.")
     ] = None,
-    as_yaml: Annotated[bool, typer.Option("--yaml", metavar="", help="Only its drive-file entry, to paste.")] = False,
+    as_yaml: Annotated[
+        bool, typer.Option("--yaml", metavar="", help="Print only its drive-file entry, for pasting.")
+    ] = False,
     plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Save its curves: .png, .pdf or .svg.")] = None,
 ) -> None:
-    """Show a drive of the catalogue: its data sheet, with sources, and what the laws give back."""
+    """Show a drive of the catalogue: its data sheet, with sources, and what the laws reproduce."""
     from cutpoint.studies.drive import catalogue_table, entry_text, print_drive, save_picture
 
     if name is None:

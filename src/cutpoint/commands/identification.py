@@ -34,38 +34,46 @@ def excite(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
-    duration: Annotated[float, typer.Option(help="Of the motion, s: a whole number of its periods.")] = 10.0,
-    harmonics: Annotated[int, typer.Option(help="Waves in each joint, multiples of the base frequency; least 3.")] = 5,
+    duration: Annotated[float, typer.Option(help="Duration of the motion, s: a whole number of its periods.")] = 10.0,
+    harmonics: Annotated[int, typer.Option(help="Harmonics of the base frequency in each joint; at least 3.")] = 5,
     base_frequency: Annotated[
-        float | None, typer.Option(help="Hz; one period in the whole duration if not given.")
+        float | None, typer.Option(help="Base frequency, Hz; default: one period in the whole duration.")
     ] = None,
     criterion: Annotated[
-        Literal["determinant", "condition"], typer.Option(help="Largest det(W^T W) or smallest condition number of W.")
+        Literal["determinant", "condition"],
+        typer.Option(help="Maximise det(W^T W) or minimise the condition number of W."),
     ] = "determinant",
     travel: Annotated[
-        float, typer.Option(help="Share of what position limits leave that is used: 0.9 keeps clear of stops.")
+        float, typer.Option(help="Share of the range between position limits to use: 0.9 keeps clear of stops.")
     ] = 1.0,
     speed: Annotated[
-        float | None, typer.Option(help="Largest speed of every joint, rad/s (m/s): below what robot and drives state.")
+        float | None,
+        typer.Option(help="Largest speed of every joint, rad/s (m/s), if below what robot and drives state."),
     ] = None,
     acceleration: Annotated[float | None, typer.Option(help="Largest acceleration, rad/s2 (m/s2).")] = None,
-    torque: Annotated[float | None, typer.Option(help="Largest torque of every motor at its joint, N m (N).")] = None,
+    torque: Annotated[
+        float | None, typer.Option(help="Largest torque of every motor, at the joint's side, N m (N).")
+    ] = None,
     box: Annotated[
         Corners | None,
-        typer.Option(metavar="X0 Y0 Z0 X1 Y1 Z1", help="Low and high corner, m, in the world; the tool stays between."),
+        typer.Option(
+            metavar="X0 Y0 Z0 X1 Y1 Z1", help="Low and high corners, m, in the world, of a box that the tool stays in."
+        ),
     ] = None,
     frame: Annotated[
-        str | None, typer.Option(help="What stays in the box; the tool's if not given, as in compare.")
+        str | None, typer.Option(help="Frame that stays in the box; default: the tool's, as in compare.")
     ] = None,
-    seconds: Annotated[float, typer.Option(help="To search; Ctrl-C ends it earlier, with the best until then.")] = 30.0,
+    seconds: Annotated[
+        float, typer.Option(help="Duration of the search; Ctrl-C ends it early with the best so far.")
+    ] = 30.0,
     output: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to go on from) and .png.")
+        Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to resume from) and .png.")
     ] = Path("excitation"),
 ) -> None:
-    """Find the motion along which torques tell most of a robot's inertias and friction, within its limits.
+    """Find the motion, within a robot's limits, whose torques reveal most about its inertias and friction.
 
-    Run it again with the same --output to search on from what was found.  Watch the motion in simulation before a
-    machine follows it: bodies may touch, since nothing here knows their shapes.
+    Run it again with the same --output to continue the search from the last result.  Watch the motion in simulation
+    before running it on a machine: bodies may collide, since their shapes are not known here.
     """
     from cutpoint.identification import excitation
     from cutpoint.identification.excitation.table import FILES, save, table_of
@@ -87,7 +95,7 @@ def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dic
     """Of the frame that was named, or the tool's."""
     if box is None:
         if frame is not None:
-            raise InputError(f"--frame {frame!r} says what stays in a box: give that too, --box X0 Y0 Z0 X1 Y1 Z1")
+            raise InputError(f"--frame {frame!r} needs a box to stay in: add --box X0 Y0 Z0 X1 Y1 Z1")
         return {}
     return {frame or hand_of(robot.mechanism): (box[:3], box[3:])}
 
@@ -97,12 +105,12 @@ def identify(
     robot: RobotFile,
     logs: Annotated[
         list[Path],
-        typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a log of ours; one or several."),
+        typer.Argument(metavar="LOG", help="CSV, NPZ, MAT, Parquet, a ROS 2 bag, or a cutpoint log; one or several."),
     ],
     mapping: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="Which channels of the logs are what (YAML); found by their names if not given."
+            metavar="FILE", help="What each channel of the logs is (YAML); without it, channels are found by name."
         ),
     ] = None,
     drives: Drives = None,
@@ -115,50 +123,52 @@ def identify(
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
     ] = Path("identified"),
     hold_out: Annotated[
-        float, typer.Option(help="Share of the logs, at their end, that judges the model and is not fitted.")
+        float, typer.Option(help="Share of the logs, at their end, kept out of the fit to validate the model.")
     ] = 0.3,
     method: Annotated[
         Literal["ordinary", "weighted", "huber", "instrumental"],
-        typer.Option(help="Least squares; huber bears outliers, instrumental noisy positions."),
+        typer.Option(help="Kind of least squares; huber tolerates outliers, instrumental noisy positions."),
     ] = "huber",
     solver: Annotated[
         Literal["lmi", "lmi_trace", "log_cholesky"],
-        typer.Option(help="For bodies that can exist: lmi needs the extra 'identify', log_cholesky does not."),
+        typer.Option(help="For physically consistent bodies: lmi needs the extra 'identify', log_cholesky does not."),
     ] = "lmi",
     springs: Annotated[
         bool | None,
         typer.Option(
-            "--springs/--no-springs", help="The drives' springs; if both encoders are in the log, by default."
+            "--springs/--no-springs", help="Identify the drives' springs; default: if the log has both encoders."
         ),
     ] = None,
     rotors: Annotated[
         bool,
-        typer.Option("--rotors/--no-rotors", help="The rotors' inertias; none where torques are the gears' output."),
+        typer.Option(
+            "--rotors/--no-rotors", help="Identify the rotors' inertias; not from torques at the gears' output."
+        ),
     ] = True,
     friction: Annotated[
         Literal["choose", "stated"],
-        typer.Option(help="Each joint's law of friction: that which predicts best, or the drive file's."),
+        typer.Option(help="Friction law of each joint: the one that predicts best, or the drive file's."),
     ] = "choose",
     cutoff: Annotated[
-        float | None, typer.Option(help="Hz, of the positions; where they sink into their noise, by default.")
+        float | None, typer.Option(help="Cutoff for the positions, Hz; default: where they sink into their noise.")
     ] = None,
     bandwidth: Annotated[
-        float | None, typer.Option(help="Hz, of the torques that are explained; at most 10 Hz, by default.")
+        float | None, typer.Option(help="Bandwidth of the fitted torques, Hz; default: at most 10 Hz.")
     ] = None,
     delay: Annotated[
         float,
-        typer.Option("--delay", "--torque-delay", help="s by which torques act late: half a period for commands."),
+        typer.Option("--delay", "--torque-delay", help="Delay with which torques act, s: half a period for commands."),
     ] = 0.0,
     align: Annotated[
-        bool, typer.Option("--align", metavar="", help="Bring the links' encoders to the motors' clock first.")
+        bool, typer.Option("--align", metavar="", help="First align the links' encoders with the motors' clock.")
     ] = False,
     force: Annotated[bool, typer.Option("--force", metavar="", help="Overwrite the files of an earlier run.")] = False,
 ) -> None:
-    """Identify masses, inertias, friction and drives from logs, with intervals, and what the logs cannot tell.
+    """Identify masses, inertias, friction and drives from logs, with intervals, and report what they cannot tell.
 
-    First let the machine follow a motion of cutpoint excite, and record positions, of motor and link if there are
-    encoders on both, and torques or currents.  What the log has in degrees, counts or percent, or at the motor's shaft,
-    a mapping file says: see docs/identification.md.
+    First run a motion from cutpoint excite on the machine and record positions, of motor and link if both have
+    encoders, and torques or currents.  If the log is in degrees, counts or percent, or at the motor's shaft, say so in
+    a mapping file: see docs/identification.md.
     """
     from cutpoint.identification.output import identify as identified
     from cutpoint.identification.output.saving import check_folder, file_notes

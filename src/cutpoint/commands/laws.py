@@ -35,13 +35,13 @@ NAMES = f"<{'|'.join(get_args(Name))}>"
 Law = Annotated[
     Name,
     typer.Option(
-        "--law", parser=by_name, metavar=NAMES, help="Of cutpoint.control; which-controller.md in docs compares them."
+        "--law", parser=by_name, metavar=NAMES, help="Law of cutpoint.control: see which-controller.md in docs."
     ),
 ]
-Bandwidth = Annotated[float, typer.Option("--bandwidth", help="Of the law, Hz: its gains come from it.")]
+Bandwidth = Annotated[float, typer.Option("--bandwidth", help="Bandwidth of the law, Hz, which sets its gains.")]
 Feed = Annotated[
     Rung | None,
-    typer.Option("--feedforward", help="How much of the model PD or PID have fed forward; elastic if not given."),
+    typer.Option("--feedforward", help="How much of the model to feed forward with PD or PID; default elastic."),
 ]
 Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
 
@@ -58,7 +58,7 @@ def law_of(robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung
 
     has_model = law not in WITHOUT_MODEL
     if has_model and feedforward is not None:
-        rule = f"{law} has the robot's model in it; leave it out, or take --law {' or '.join(WITHOUT_MODEL)}"
+        rule = f"{law} already contains the robot's model; leave this out, or use --law {' or '.join(WITHOUT_MODEL)}"
         raise InputError(f"--feedforward {feedforward}: {rule}", law=law)
     tuned = control.tune(robot, bandwidth, getattr(control, law), control_period=period)
     if has_model or feedforward == "none":

@@ -12,14 +12,14 @@ from cutpoint.errors import InputError
 
 @app.command(epilog="Example: cutpoint plot pd.npz vdc.npz --channel position_error --output both.png")
 def plot(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help="Logs that simulate or torque saved.")],
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG", help="Logs saved by simulate or torque.")],
     channel: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="What to draw, once for each; what tells most of a run if not given."),
+        typer.Option(metavar="NAME", help="Channel to draw; repeat for more; default: the most informative ones."),
     ] = None,
     output: Annotated[Path, typer.Option(metavar="FILE", help="The picture: .png, .pdf or .svg.")] = Path("plot.png"),
 ) -> None:
-    """Draw saved logs, joint by joint, several beside each other.  Every channel is in docs/log-channels.md."""
+    """Plot saved logs, joint by joint, one or several for comparison.  docs/log-channels.md lists every channel."""
     from cutpoint.simulation.log_plot import picture
 
     check_target("output", output, (".png", ".pdf", ".svg"))

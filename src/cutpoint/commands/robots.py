@@ -55,7 +55,7 @@ def inspect(
     mend_inertia: MendInertia = False,
     floating_base: FloatingBase = False,
 ) -> None:
-    """Show what a robot is: joints, bodies, limits, drives, and where virtual decomposition cuts it."""
+    """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
@@ -68,13 +68,13 @@ def inspect(
 def simulate(
     robot: RobotFile,
     trajectory: Annotated[
-        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time, and positions by joint.")
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time and joint positions.")
     ] = None,
     to: Annotated[
         str, typer.Option(help="Without a file: final positions of a cycloid, rad (m), in the order of inspect.")
     ] = "",
-    duration: Annotated[float | None, typer.Option(help="Of the cycloid, s.")] = None,
-    start: Annotated[str, typer.Option("--from", help="Of the cycloid: initial positions; zero if not given.")] = "",
+    duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
+    start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
@@ -91,7 +91,7 @@ def simulate(
         Path | None, typer.Option(metavar="FILE", help="Save a picture of the run: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Move a robot under a control law, along a file's motion or a cycloid from rest to rest; report the errors."""
+    """Simulate a robot under a control law, along a file's motion or a rest-to-rest cycloid; report the errors."""
     check_targets(output, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
@@ -116,7 +116,7 @@ def simulate(
 @app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")
 def modes(
     robot: RobotFile,
-    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; zero if not given.")] = "",
+    q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; default zero.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
@@ -125,13 +125,15 @@ def modes(
     mend_inertia: MendInertia = False,
     friction: Annotated[
         bool,
-        typer.Option("--friction", metavar="", help="With friction's slope at rest; it damps, or locks, what swings."),
+        typer.Option(
+            "--friction", metavar="", help="Include friction's slope at rest, which damps or locks the modes."
+        ),
     ] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the frequency responses: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Frequencies at which the drives ring, at rest, and how a motor's torque moves motor and link over frequency."""
+    """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     position = numbers_of(loaded, "q", q, degrees)
@@ -155,6 +157,6 @@ def _check_log_fits(
     numbers = samples * sum(x.size for x in few.channels.values()) / len(few.time)
     size = numbers * (8 if output.suffix.lower() == ".npz" else CHARACTERS)
     if size > LARGEST_FILE:
-        remedy = "shorten --duration or lengthen --period, or simulate in Python with channels= of those that you need"
-        told = f"a log of {samples:,.0f} samples may take {size:.2g} bytes, a file may hold {LARGEST_FILE:.2g}"
+        remedy = "shorten --duration or lengthen --period, or simulate in Python with only the channels= you need"
+        told = f"a log of {samples:,.0f} samples may take {size:.2g} bytes, but a file may hold only {LARGEST_FILE:.2g}"
         raise InputError(f"--output {str(output)!r}: {told}; {remedy}", path=output)

@@ -67,28 +67,34 @@ RobotFile = Annotated[
 Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
 Mimics = Annotated[
     Literal["independent", "coupled"],
-    typer.Option("--mimic", help="Mimic joints as coordinates of their own, or tied to their leader."),
+    typer.Option("--mimic", help="Mimic joints as independent coordinates, or tied to their leader."),
 ]
 Locks = Annotated[
     list[str] | None,
-    typer.Option("--lock", metavar="JOINT=PLACE", help="Hold a joint fixed at a place, rad (m); once for each joint."),
+    typer.Option(
+        "--lock", metavar="JOINT=PLACE", help="Hold a joint fixed at a position, rad (m); repeat for more joints."
+    ),
 ]
 Gravity = Annotated[
     tuple[float, float, float] | None,
-    typer.Option(metavar="X Y Z", help="Free fall in the world's frame, m/s2; 0 0 -9.81, or as an MJCF file states."),
+    typer.Option(metavar="X Y Z", help="Gravity in the world's frame, m/s2; default: 0 0 -9.81, or an MJCF file's."),
 ]
 # metavar: otherwise an option without a value would be shown with one
-Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles, and their rates, are given in degrees.")]
+Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles and their rates are given in degrees.")]
 FloatingBase = Annotated[
     bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
 ]
 MendInertia = Annotated[
     bool,
-    typer.Option("--mend-inertia", metavar="", help="Add to inertias of a URDF that no mass can have what they lack."),
+    typer.Option(
+        "--mend-inertia", metavar="", help="Enlarge physically impossible inertias of a URDF by what they lack."
+    ),
 ]
 Smoothing = Annotated[
     float | None,
-    typer.Option("--smoothing", help="Hz, to which a file's positions are smoothed; 10, or as samples allow."),
+    typer.Option(
+        "--smoothing", help="Bandwidth to smooth a file's positions to, Hz; default 10, or what samples allow."
+    ),
 ]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
@@ -109,7 +115,7 @@ def robot_of(
 ) -> cutpoint.Robot:
     """The robot of a file, or one that comes with the package."""
     if not path.suffix and str(path) != "xia2019" and not path.exists():
-        told = f"there is no file {str(path)!r}, and the one arm that comes with cutpoint is xia2019"
+        told = f"there is no file {str(path)!r}, and the only arm that comes with cutpoint is xia2019"
         raise InputError(told, path=path)
     if str(path) == "xia2019":
         path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
@@ -128,7 +134,7 @@ def _places_of(locks: list[str]) -> dict[str, float]:
     for lock in locks:
         joint, _, place = lock.rpartition("=")
         if joint in places:
-            raise InputError(f"--lock {lock!r}: {joint!r} is locked at {places[joint]:g} already; state one place")
+            raise InputError(f"--lock {lock!r}: {joint!r} is already locked at {places[joint]:g}; give one position")
         try:
             places[joint] = float(place)
         except ValueError:
@@ -143,7 +149,7 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
     for body in robot.mechanism.bodies:
         if body.joint.kind in ("floating", "spherical", "planar"):
             found = f"joint {body.joint.name!r} is {body.joint.kind}"
-            rule = "one number a joint is all that can be stated here; take the robot in Python"
+            rule = "this option takes one number per joint; use Python for this robot"
             raise InputError(f"--{option}: {found}, and {rule}", joint=body.joint.name)
     numbers = _listed(option, text, len(robot.joints))
     if not degrees:
@@ -164,16 +170,16 @@ def motion_of(
     start, end = ends
     if file is not None:
         if start or end or duration is not None or degrees:
-            rule = "--to, --from, --duration and --degrees do not go with it; its first line names the units"
-            raise InputError(f"trajectory {str(file)!r} is a motion already: {rule}", path=file)
+            rule = "leave out --to, --from, --duration and --degrees; its first line names the units"
+            raise InputError(f"trajectory {str(file)!r} is already a motion: {rule}", path=file)
         sliding = robot.mechanism.sliding
         smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=smoothing, sliding=sliding)
         console.print(str(smoothed), soft_wrap=True, highlight=False)
         return smoothed
     if smoothing is not None:
-        raise InputError("--smoothing is of the positions of a CSV file TRAJECTORY: leave it out")
+        raise InputError("--smoothing applies only to the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:
-        raise InputError("a motion is needed: a CSV file TRAJECTORY, or --to with --duration")
+        raise InputError("a motion is needed: give a CSV file TRAJECTORY, or --to with --duration")
     places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}
     return cutpoint.trajectories.cycloid(duration=duration, **places)
 
@@ -189,7 +195,7 @@ def _listed(option: str, text: str, count: int) -> Any:
     except ValueError:
         raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
     if len(numbers) != count:
-        raise InputError(f"--{option} has {len(numbers)} numbers, the robot has {count} joints: give one for each")
+        raise InputError(f"--{option} has {len(numbers)} numbers but the robot has {count} joints: give one for each")
     if not np.isfinite(numbers).all():
         k = int((~np.isfinite(numbers)).argmax())
         raise InputError(f"--{option}: number {k + 1} of {count} is {numbers[k]}; all must be finite")

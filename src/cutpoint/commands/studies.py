@@ -35,7 +35,7 @@ def paper(
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("paper"),
 ) -> None:
-    """Carry out section IV of Xia et al. (2019), its numbers beside ours, as a report to open in a browser."""
+    """Reproduce section IV of Xia et al. (2019), its numbers beside ours, as a report to open in a browser."""
     from cutpoint.studies.paper import run
 
     run(output)
@@ -47,9 +47,9 @@ def cost(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figure and cost.json.")
     ] = Path("cost"),
-    largest: Annotated[int, typer.Option(help="Number of joints to go to.", min=6, max=64)] = 64,
+    largest: Annotated[int, typer.Option(help="Largest number of joints.", min=6, max=64)] = 64,
 ) -> None:
-    """What inverse dynamics costs against the number of joints, by virtual decomposition and by its rivals."""
+    """Cost of inverse dynamics over the number of joints, by virtual decomposition and by its rivals."""
     from cutpoint.studies.cost import run
 
     run(output, largest=largest)
@@ -60,7 +60,9 @@ def cost(
 def compare(
     robot: Annotated[
         Path,
-        typer.Argument(metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, of example-robot-data."),
+        typer.Argument(
+            metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, from example-robot-data."
+        ),
     ] = Path("xia2019"),
     drives: Drives = None,
     mimic: Mimics = "independent",
@@ -70,16 +72,16 @@ def compare(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
-    bandwidth: Annotated[float, typer.Option(help="Of the PD that all laws are matched to, Hz.")] = 4.0,
+    bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD that all laws are matched to, Hz.")] = 4.0,
     period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
     payload: Annotated[
-        float | None, typer.Option(help="Rated, kg; 2 for the paper's arm, 3 for others, if not given.")
+        float | None, typer.Option(help="Rated payload, kg; default: 2 for the paper's arm, 3 for others.")
     ] = None,
-    frame: Annotated[str | None, typer.Option(help="Where the payload hangs; the tool's if not given.")] = None,
-    seeds: Annotated[int, typer.Option(help="Runs of a scenario in which chance has a part.", min=1)] = 64,
-    quick: Annotated[bool, typer.Option("--quick", metavar="", help="4 seeds at most, and no slow move.")] = False,
+    frame: Annotated[str | None, typer.Option(help="Frame that carries the payload; default: the tool's.")] = None,
+    seeds: Annotated[int, typer.Option(help="Runs of each randomised scenario.", min=1)] = 64,
+    quick: Annotated[bool, typer.Option("--quick", metavar="", help="At most 4 seeds, and no slow move.")] = False,
 ) -> None:
-    """Compare all control laws on one arm at equal stiffness, each departure from the model on its own."""
+    """Compare all control laws on one arm at equal stiffness, with one departure from the model at a time."""
     from cutpoint.studies.compare import bench_of, panda, run
 
     given = {
@@ -91,7 +93,7 @@ def compare(
     }
     if str(robot) == "panda" and any(given.values()):
         named = ", ".join(option for option, value in given.items() if value)
-        raise InputError(f"panda comes as it is; leave {named} out, or give the path of your robot file with it")
+        raise InputError(f"panda takes no such options; leave out {named}, or give the path of your own robot file")
     loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     found = run(output, bench, seeds=seeds, quick=quick)

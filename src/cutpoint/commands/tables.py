@@ -102,7 +102,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) 
         )  # fmt: skip
     table.caption = (
         f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units; "
-        "the motor's torque is with friction, rotor and kinematic error"
+        "the motor's torque includes friction, rotor and kinematic error"
     )
     return table
 
@@ -115,7 +115,7 @@ def motion_table(robot: Robot, log: "Log") -> Table:
     for name, slides, speed, *found in zip(robot.joints, _slides(robot), log.max("v"), *torques, strict=True):
         unit, rate = ("N", "m/s") if slides else ("N m", "rad/s")
         table.add_row(name, *(f"{x:.4g} {unit}" for x in found), f"{speed:.4g} {rate}")
-    table.caption = "the motor's torque is with friction, rotor and kinematic error"
+    table.caption = "the motor's torque includes friction, rotor and kinematic error"
     return table
 
 
@@ -157,7 +157,7 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     most = dict(zip(robot.joints, efforts_in_force(robot.mechanism, robot.drives).tolist(), strict=True))
     for name, share in log.meta.get("over_limit", {}).items():
         unit = "N" if name in robot.mechanism.sliding else "N m"
-        yield f"{name} is asked for more than its {most[name]:.4g} {unit} in {share:.1%} of the samples"
+        yield f"{name} is asked for more than its limit of {most[name]:.4g} {unit} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 
@@ -166,14 +166,16 @@ def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
     for (name, drive), peak, slides in zip(robot.drives.items(), peaks, _slides(robot), strict=True):
         allowed = drive.ratings.momentary_peak_torque if drive.ratings else None
         if allowed is not None and peak > allowed:
-            told = f"{peak:.4g} {'N' if slides else 'N m'}, its gear's momentary peak is {allowed:.4g}"
+            told = f"{peak:.4g} {'N' if slides else 'N m'}, above its gear's momentary peak of {allowed:.4g}"
             yield f"{name} transmits up to {told}: nothing limits it; see `cutpoint check`"
 
 
 def modes_table(robot: Robot, found: "Modes") -> Table:
     """Frequencies, dampings, and the drives that deflect."""
-    friction = "friction by its slope at rest" if found.model.friction else "friction left out"
-    table = _table(f"{robot.name}: modes of the drives, {friction}", "mode", "Hz", "damping ratio", "drives that bend")
+    friction = "with friction's slope at rest" if found.model.friction else "without friction"
+    table = _table(
+        f"{robot.name}: modes of the drives, {friction}", "mode", "Hz", "damping ratio", "drives that deflect"
+    )
     for k, (f, zeta) in enumerate(zip(found.frequencies, found.damping, strict=True)):
         shares = ", ".join(f"{name} {share:.0%}" for name, share in found.joints_of(k).items())
         table.add_row(str(k + 1), f"{f:.2f}", f"{zeta:z.4f}", shares)

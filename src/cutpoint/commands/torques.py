@@ -45,14 +45,14 @@ FEWEST, MOST = 1000, 1e6
 def torque(
     robot: RobotFile,
     trajectory: Annotated[
-        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time, and positions by joint.")
+        Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of a motion: time and joint positions.")
     ] = None,
     q: Annotated[
         str | None,
         typer.Option(help="Without a file: positions, rad (m), separated by commas, in the order of inspect."),
     ] = None,
-    v: Annotated[str, typer.Option(help="Speeds there, rad/s; zero if not given.")] = "",
-    a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; zero if not given.")] = "",
+    v: Annotated[str, typer.Option(help="Speeds there, rad/s; default zero.")] = "",
+    a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; default zero.")] = "",
     drives: Drives = None,
     degrees: Degrees = False,
     mimic: Mimics = "independent",
@@ -60,21 +60,21 @@ def torque(
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
     smoothing: Smoothing = None,
-    period: Annotated[float, typer.Option(help="Between samples along a file's motion, s.")] = 1e-3,
+    period: Annotated[float, typer.Option(help="Time between samples along a file's motion, s.")] = 1e-3,
     output: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Save a motion's torques, with motors' motion: .npz or .csv.")
+        Path | None, typer.Option(metavar="FILE", help="Save a motion's torques and the motors' motion: .npz or .csv.")
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a picture of them: .png, .pdf or .svg.")
     ] = None,
 ) -> None:
-    """Torques that hold or move a robot; with elastic drives, where their motors must stand."""
+    """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
     check_targets(output, plot)
     loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
     if trajectory is not None:
         if q is not None or v or a or degrees:
-            rule = "--q, --v, --a and --degrees do not go with it; its first line names the units"
-            raise InputError(f"trajectory {str(trajectory)!r} is a motion already: {rule}")
+            rule = "leave out --q, --v, --a and --degrees; its first line names the units"
+            raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
@@ -82,9 +82,9 @@ def torque(
         console.print(motion_table(loaded, fine))
         return say_notes(beyond_travel(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0)))
     if q is None:
-        raise InputError("torque: a CSV file TRAJECTORY is needed, or --q, one place")
+        raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
     if output or plot or smoothing is not None:
-        raise InputError("torque: --output, --plot and --smoothing are for a CSV file TRAJECTORY: leave them out")
+        raise InputError("torque: --output, --plot and --smoothing apply only to a CSV file TRAJECTORY: leave them out")
     position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
@@ -99,7 +99,7 @@ def torques_along(
     """Motor torques along a motion, every `period` s; full rotor coupling as with `quasi_rigid`."""
     positive("torque", "--period", period)
     if trajectory.duration / period > MOST:
-        rule = f"{trajectory.duration / period:.3g} samples are asked for, at most {MOST:g}: lengthen it"
+        rule = f"this gives {trajectory.duration / period:.3g} samples, at most {MOST:g} are allowed: lengthen it"
         raise InputError(f"torque: --period {period:g} s: {rule}", period=period)
     times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
     motion = trajectory.derivatives(times, 4)
