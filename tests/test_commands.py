@@ -467,7 +467,7 @@ def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.Monke
     Path("arm.urdf").write_text(re.sub('ixx="[^"]*"', 'ixx="9"', sound), encoding="utf-8")
     with pytest.raises(ModelError, match=r"would do; mend_inertia=True does that \(--mend-inertia\)"):
         CliRunner().invoke(app, ["inspect", "arm.urdf"], catch_exceptions=False)
-    with pytest.warns(UserWarning, match="inertias that no mass can have are larger here"):
+    with pytest.warns(UserWarning, match="physically impossible inertias are increased"):
         assert "swing" in printed("inspect", "arm.urdf", "--mend-inertia")
     Path("arm.xml").write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
     with pytest.raises(InputError, match=r'mend_inertia is for URDF files; state <compiler balanceinertia="true"/>'):

@@ -151,18 +151,18 @@ def test_an_unknown_name_is_refused_with_names_that_come_near() -> None:
 
 
 def test_a_name_must_be_a_text() -> None:
-    assert "catalogue 3.0 must be a text (arm.yaml:4)" in refused("{catalogue: 3}")
+    assert "catalogue 3.0 must be text (arm.yaml:4)" in refused("{catalogue: 3}")
 
 
 def test_a_mistake_beside_the_name_is_named_in_the_users_file() -> None:
     text = "version: 1\ndrives:\n  joint1:\n    catalogue: CSG-20-100\n    kinematic_error:\n      order: 400\n"
-    with pytest.raises(ModelError, match=r"kinematic error .* in all 5\.8.*\(arm\.yaml:5\)"):
+    with pytest.raises(ModelError, match=r"kinematic error .* in total 5\.8.*\(arm\.yaml:5\)"):
         parse_drives(text, MECHANISM, "arm.yaml")
 
 
 def test_a_joint_that_slides_has_no_drive_of_the_catalogue() -> None:
     slide = parse_urdf(urdf(*map(link, ("base", "a")), joint("lift", "base", "a", "prismatic")))
-    with pytest.raises(ModelError, match=r"'CSG-20-100' turns and this joint slides.*\(arm\.yaml:2\)"):
+    with pytest.raises(ModelError, match=r"'CSG-20-100' is rotary but this joint slides.*\(arm\.yaml:2\)"):
         parse_drives("version: 1\ndrives: {lift: {catalogue: CSG-20-100}}", slide, "arm.yaml")
 
 

@@ -30,8 +30,9 @@ ENTRIES = {
     "infinite": ("{ratio: .inf}", "ratio inf must be finite"),
     "unknown key": (
         "{friction: {link: {columb: 1}}}",
-        "unknown key 'columb' in friction.link, did you mean 'coulomb'; those that exist are"
-        " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing', 'asymmetry', 'presliding', 'grease'",
+        "unknown key 'columb' in friction.link; known keys:"
+        " 'coulomb', 'static', 'viscous', 'stribeck_velocity', 'smoothing', 'asymmetry', 'presliding', 'grease';"
+        " did you mean 'coulomb'?",
     ),
     "negative stiffness": (
         f"{{{ELASTIC}: {{linear: {{stiffness: -3}}}}}}",
@@ -48,7 +49,7 @@ ENTRIES = {
     "no spring": (f"{{{ELASTIC}: {{}}}}", "compliance must state exactly one of 'linear', 'flexspline', 'catalogue'"),
     "word for a spring": (
         "{compliance: soft}",
-        "compliance 'soft' must be 'rigid' or a mapping with keys out of"
+        "compliance 'soft' must be 'rigid' or a mapping with keys from"
         " 'linear', 'flexspline', 'wave_generator', 'catalogue'",
     ),
     "wave generator alone": (
@@ -65,7 +66,7 @@ ENTRIES = {
     ),
     "error that runs backwards": (
         f"{{ratio: 100, kinematic_error: {{amplitude: 6e-3}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
-        "kinematic error is too large: order * ratio * amplitude, in all 1.2, must not exceed 0.7:"
+        "kinematic error is too large: order * ratio * amplitude, in total 1.2, must not exceed 0.7:"
         " at 1 the drive would run backwards",
     ),
     "corners that fall together, with what is made of the spring": (
@@ -79,7 +80,7 @@ ENTRIES = {
     ),
     "hysteresis that overflows": (
         f"{{{ELASTIC}: {{linear: {{stiffness: 1e300}}}}, hysteresis: {{loss: 1e200}}}}",
-        "its drive holds inf as stiffness, every number must be finite, in hysteresis",
+        "its drive has inf as stiffness; every number must be finite, in hysteresis",
     ),
     "hysteresis without spring": (
         "{hysteresis: {loss: 1e-3}}",
@@ -91,7 +92,7 @@ ENTRIES = {
     ),
     "voltage limit without resistance": (
         "{motor: {torque_constant: 0.1, voltage_limit: 48}}",
-        "motor.voltage_limit 48.0 V needs the resistance, ohm, beside it",
+        "motor.voltage_limit 48.0 V needs the resistance, ohm, as well",
     ),
     "friction that no load can move": (
         "{friction: {motor: {coulomb: 2, per_load: 0.8, asymmetry: 0.5}}}",
@@ -100,21 +101,21 @@ ENTRIES = {
     ),
     "half a wave": (
         f"{{kinematic_error: {{amplitude: 1e-4, order: 1.5}}, {ELASTIC}: {{linear: {{stiffness: 3}}}}}}",
-        "kinematic_error.order 1.5 must be a whole number of waves a turn",
+        "kinematic_error.order 1.5 must be a whole number of waves per turn",
     ),
     "rotor without inertia": ("{rotor: {inertia: 0}}", "rotor.inertia 0.0 kg m2 must be positive"),
     "rotor's mass twice": (
         "{rotor: {inertia: 1e-5, mass: 0.4}}",
-        "rotor.mass 0.4 kg counts only with 'in_link_inertia: false'; the link holds the rotor",
+        "rotor.mass 0.4 kg counts only with 'in_link_inertia: false'; the link includes the rotor",
     ),
     "rotor's place in a link that holds it": (
         "{rotor: {inertia: 1e-5, in_link_inertia: true, position: -0.1}}",
-        "rotor.position -0.1 m counts only with 'in_link_inertia: false'; the link holds the rotor",
+        "rotor.position -0.1 m counts only with 'in_link_inertia: false'; the link includes the rotor",
     ),
     "rotor that no body can be": (
         "{rotor: {inertia: 1e-5, in_link_inertia: false, transverse: 4e-6}}",
         "rotor.transverse 4e-06 kg m2 must be at least half of inertia 1e-05,"
-        " as of any body that is round about its axis",
+        " as for any body that is round about its axis",
     ),
     "negative mass": (
         "{rotor: {inertia: 1, in_link_inertia: false, mass: -1}}",
@@ -134,7 +135,7 @@ ENTRIES = {
     ),
     "static below the catalogue's Coulomb": (
         "{catalogue: CSG-14-100, friction: {motor: {static: 1, stribeck_velocity: 0.1}}}",
-        "friction.motor.static 1.0 N m must not be below coulomb 2.1; a catalogue's friction counts where the entry"
+        "friction.motor.static 1.0 N m must not be below coulomb 2.1; the catalogue's friction applies where the entry"
         " states none: state both",
     ),
     "static alone": (
@@ -166,7 +167,7 @@ ENTRIES = {
     "three limits": ("{limits: {position: [1, 2, 3]}}", "limits.position [1.0, 2.0, 3.0] must have at most 2 entries"),
     "half a further wave": (
         "{motor: {torque_constant: 1, ripple: {amplitude: 0.1, order: 6, harmonics: [[0.5, 1e-3, 0]]}}}",
-        "motor.ripple.harmonics [0.5, 0.001, 0.0] must have an order of 1 at least, and an amplitude that is not"
+        "motor.ripple.harmonics [0.5, 0.001, 0.0] must have an order of at least 1 and an amplitude that is not"
         " negative",
     ),
     "limit that is no number": ("{limits: {position: [-1, b]}}", "limits.position.1 'b' must be a number"),
@@ -177,7 +178,7 @@ ENTRIES = {
     ),
     "merge key": (
         "{<<: {ratio: 1}}",
-        "unknown key '<<'; those that exist are 'catalogue', 'ratio', 'gear', 'rotor', 'compliance', 'backlash',"
+        "unknown key '<<'; known keys: 'catalogue', 'ratio', 'gear', 'rotor', 'compliance', 'backlash',"
         " 'damping', 'hysteresis', 'kinematic_error', 'friction', 'motor', 'limits', 'ratings'",
     ),
 }
@@ -190,7 +191,7 @@ def test_a_wrong_entry_is_named_with_its_line(case: str) -> None:
     assert refused(text) == f"joint 'shoulder': {message} (arm.yaml:5)"
 
 
-TOO_LARGE = "YAML cannot be read: the number of a character (\\U), or of the version, is too large"
+TOO_LARGE = "YAML cannot be read: the number of a character (\\U) or of the version is too large"
 
 FILES = {
     "elastic without rotor": (
@@ -203,7 +204,7 @@ FILES = {
     ),
     "fixed joint": (
         "version: 1\ndrives:\n  flange_joint: {ratio: 2}",
-        "joint 'flange_joint': it is fixed (or a link), and a drive needs a joint that moves (arm.yaml:3)",
+        "joint 'flange_joint': it is fixed (or a link), but a drive needs a joint that moves (arm.yaml:3)",
     ),
     "units of a prismatic joint": (
         "version: 1\ndrives:\n  lift: {damping: -1}",
@@ -211,7 +212,7 @@ FILES = {
     ),
     "gear on a prismatic joint": (
         "version: 1\ndrives:\n  lift: {gear: {reduction: 5, fixed: flexspline}}",
-        "joint 'lift': 'gear' is for joints that turn; on a prismatic joint state 'ratio' in rad/m (arm.yaml:3)",
+        "joint 'lift': 'gear' is for rotary joints; on a prismatic joint state 'ratio' in rad/m (arm.yaml:3)",
     ),
     "wrong default": (
         "version: 1\ndefaults:\n  damping: -1\ndrives:\n  elbow: {ratio: 2}",
@@ -219,24 +220,24 @@ FILES = {
     ),
     "no mapping": (
         "- 1",
-        "drive file: [1.0] must be a mapping with keys out of 'version', 'defaults', 'drives' (arm.yaml:1)",
+        "drive file: [1.0] must be a mapping with keys from 'version', 'defaults', 'drives' (arm.yaml:1)",
     ),
     "entry without fields": (
         "version: 1\ndrives:\n  elbow: 3",
         "drive file: drives.elbow 3.0 must be a mapping of fields (arm.yaml:3)",
     ),
-    "no version": ("drives: {}", "drive file: 'version' is missing: 1, that of this format (arm.yaml:1)"),
+    "no version": ("drives: {}", "drive file: 'version' is missing: 1 for this format (arm.yaml:1)"),
     "other version": (
         "version: 2\ndrives: {}",
-        "drive file: version 2 is not known; this cutpoint reads 1 (arm.yaml:1)",
+        "drive file: version 2 is unknown; this cutpoint reads version 1 (arm.yaml:1)",
     ),
     "no drives": (
         "version: 1",
-        "drive file: 'drives' is missing: one entry for each driven joint, by the joint's name (arm.yaml:1)",
+        "drive file: 'drives' is missing: one entry per driven joint, by joint name (arm.yaml:1)",
     ),
     "unknown section": (
         "version: 1\ndrivers: {}\ndrives: {}",
-        "drive file: unknown key 'drivers', did you mean 'drives'; those that exist are 'version', 'defaults', 'drives'"
+        "drive file: unknown key 'drivers'; known keys: 'version', 'defaults', 'drives'; did you mean 'drives'?"
         " (arm.yaml:2)",
     ),
     "no value": ("version: 1\ndrives:\n  elbow: {ratio: }", "drives.elbow.ratio has no value (arm.yaml:3)"),
@@ -246,13 +247,12 @@ FILES = {
     ),
     "a wave that is none": (
         "version: 1\ndrives:\n  elbow: {kinematic_error: {amplitude: 1e-4, harmonics: [[1, 2]]}}",
-        "joint 'elbow': kinematic_error.harmonics.0 [1.0, 2.0] is none of these: further waves, each"
+        "joint 'elbow': kinematic_error.harmonics.0 [1.0, 2.0] must be one of: further waves, each"
         " [order, amplitude, phase] (arm.yaml:3)",
     ),
     "a tab": (
         "version: 1\ndrives:\n\telbow: {ratio: 2}",
-        "YAML cannot be read: found character '\\t' that cannot start any token; lines are indented by spaces"
-        " (arm.yaml:3)",
+        "YAML cannot be read: found character '\\t' that cannot start any token; indent lines with spaces (arm.yaml:3)",
     ),
     "grease in kelvin": (
         "version: 1\ndrives:\n  elbow: {friction: {link: {viscous: 2, grease: {temperature: 313, thinning: 0.03}}}}",
@@ -261,7 +261,7 @@ FILES = {
     ),
     "a ratio of no machine": (
         "version: 1\ndrives:\n  elbow: {ratio: 1e200}",
-        "joint 'elbow': ratio 1e+200 must be between 1e-12 and 1e12 in size, as in any machine (arm.yaml:3)",
+        "joint 'elbow': ratio 1e+200 must be between 1e-12 and 1e12 in magnitude, as in any machine (arm.yaml:3)",
     ),
     "a number with a comma": (
         "version: 1\ndrives:\n  elbow: {damping: 4,000}",
@@ -277,11 +277,11 @@ FILES = {
     "python object": (
         'version: 1\ndrives: !!python/object/apply:os.system ["true"]',
         "YAML tags ('tag:yaml.org,2002:python/object/apply:os.system') are not read, for safety;"
-        " take the tag out (arm.yaml:2)",
+        " remove the tag (arm.yaml:2)",
     ),
     "harmless tag": (
         "version: !!int 1",
-        "YAML tags ('tag:yaml.org,2002:int') are not read, for safety; take the tag out (arm.yaml:1)",
+        "YAML tags ('tag:yaml.org,2002:int') are not read, for safety; remove the tag (arm.yaml:1)",
     ),
     "bomb of aliases": (
         "a: &a [1, 1]\nb: &b [*a, *a]",
@@ -291,17 +291,17 @@ FILES = {
         "version: 1\ndrives: *a",
         "YAML anchors and aliases (&, *) are not read, for safety; write the value out (arm.yaml:2)",
     ),
-    "key that is a list": ("? [1]\n: 2", "a key must be a plain text (arm.yaml:1)"),
-    "depth": ("[" * 5000, "YAML is nested more than 16 deep, the most that is read (arm.yaml:1)"),
+    "key that is a list": ("? [1]\n: 2", "a key must be plain text (arm.yaml:1)"),
+    "depth": ("[" * 5000, "YAML is nested more than 16 deep, the limit (arm.yaml:1)"),
     "number of values": (
         "[" + "1," * 30000 + "]",
-        "YAML holds more than 20,000 values, the most that is read (arm.yaml:1)",
+        "YAML holds more than 20,000 values, the limit (arm.yaml:1)",
     ),
     "control character": ("version: 1\n\a", "YAML cannot be read: character '\\x07' is not allowed (arm.yaml:2)"),
     "a character that there is not": ('version: 1\na: "\\U00110000"', f"{TOO_LARGE} (arm.yaml:2)"),
     "one far beyond": ('version: 1\na: "\\UFFFFFFFF"', f"{TOO_LARGE} (arm.yaml:2)"),
     "a version far beyond": (f"%YAML 1.{'1' * 5000}\n---\na: 1", f"{TOO_LARGE} (arm.yaml:1)"),
-    "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text; save the file as that (arm.yaml:2)"),
+    "bytes that are no UTF-8": (b"version: 1\n\xff", "YAML must be UTF-8 text; save the file as UTF-8 (arm.yaml:2)"),
 }
 
 
@@ -316,7 +316,7 @@ def test_what_follows_or_floats_has_no_drive() -> None:
     hand = robot(link("base"), link("x"), link("y"), joint("a", "base", "x"), joint("b", "base", "y", inside=mimic))
     coupled = parse_urdf(hand, mimic="coupled")
     assert refused("version: 1\ndrives: {b: {}}", coupled) == (
-        "joint 'b': it follows joint 'a'; give the drive to that one (arm.yaml:2)"
+        "joint 'b': it follows joint 'a'; give that joint the drive (arm.yaml:2)"
     )
     floating = parse_urdf(ARM, floating_base=True)
     assert refused("version: 1\ndrives: {root_joint: {}}", floating) == (
@@ -329,5 +329,5 @@ def test_a_file_that_is_absent_or_too_large_is_refused(tmp_path: Path) -> None:
         load_drives(tmp_path / "absent.yaml", ROBOT)
     large = tmp_path / "large.yaml"
     large.write_bytes(b"#" * (MAXIMUM_BYTES + 1))
-    with pytest.raises(ModelError, match="file is larger than 262,144 bytes, the most that is read"):
+    with pytest.raises(ModelError, match="file is larger than 262,144 bytes, the limit"):
         load_drives(large, ROBOT)

@@ -230,7 +230,7 @@ LOST = {
         one_body('<geom size="1"/><geom size="1" contype="0" conaffinity="0"/>'),
         ("contacts (1 geoms)",),
     ),
-    "fluid": (one_body("", '<option density="1.2" viscosity="1e-5"/>'), ("forces of the fluid",)),
+    "fluid": (one_body("", '<option density="1.2" viscosity="1e-5"/>'), ("fluid forces",)),
     "gravcomp": (one_body("", attributes='gravcomp="1"'), ("gravcomp of bodies 'arm'",)),
     "springs": (one_body("", '<default><joint stiffness="3"/></default>'), ("springs of joints 'elbow'",)),
     "of balls": (
@@ -266,7 +266,7 @@ BUILT = '<asset><mesh name="rock" builtin="sphere" params="30"/></asset>'
 MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
 SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
 ELSEWHERE = (
-    "its inertia would come from a shape that is not in this file; give it an <inertial>; MuJoCo writes one where its "
+    "its inertia would come from a shape that is not in this file; give it an <inertial>; MuJoCo writes one if "
     "MjSpec.compiler.saveinertial is true"
 )
 NO_FOLDER = "<include> is not read from text in memory, which has no folder; give the file's path"
@@ -280,7 +280,7 @@ REFUSED = {
     "flexcomp": (one_body('<flexcomp type="gmsh" file="/dev/zero"/>'), f"<flexcomp> {SAFETY} .* (arm.xml:3)"),
     "entities": (
         '<!DOCTYPE m [<!ENTITY a SYSTEM "file:///etc/passwd">]><mujoco>&a;</mujoco>',
-        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.xml:1)",
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; remove it (arm.xml:1)",
     ),
     "a URDF": (
         "\n<robot/>",
@@ -299,7 +299,7 @@ REFUSED = {
         "<mujoco><sensor/></mujoco>",
         "there is no <worldbody>: this file is a part, give the file that includes it (arm.xml:1)",
     ),
-    "nan": (one_body('\n<geom pos="0 NaN 0" size="1"/>'), "<geom> pos '0 NaN 0' must not hold nan (arm.xml:4)"),
+    "nan": (one_body('\n<geom pos="0 NaN 0" size="1"/>'), "<geom> pos '0 NaN 0' must not contain nan (arm.xml:4)"),
     "a misspelt attribute": (
         one_body('\n\n<geom sise="1"/>'),
         "MuJoCo cannot compile this file: XML Error: Schema violation: unrecognized attribute: 'sise'"
@@ -307,11 +307,11 @@ REFUSED = {
     ),
     "a misspelt element": (
         one_body('\n<Body name="tip"/>'),
-        "<body> holds <Body>, which MJCF does not have; did you mean <body>? (arm.xml:4)",
+        "<body> holds <Body>, which is not MJCF; did you mean <body>? (arm.xml:4)",
     ),
     "an element of URDF": (
         one_body("<inertia/>"),
-        "<body> holds <inertia>, which MJCF does not have; did you mean <inertial>? (arm.xml:3)",
+        "<body> holds <inertia>, which is not MJCF; did you mean <inertial>? (arm.xml:3)",
     ),
     "an axis without length": (
         one_body('<joint axis="0 0 0"/>'),
@@ -319,7 +319,7 @@ REFUSED = {
     ),
     "a quaternion too long to square": (
         one_body('<body name="tip" quat="1e200 0 1e200 0"><joint/><geom size="1"/></body>'),
-        "body 'tip': MuJoCo finds no direction in its quat; give one of length 1",
+        "body 'tip': its quat gives MuJoCo no direction; use one of length 1",
     ),
     "inertia of a shape from a file": (
         MASSLESS,
@@ -343,7 +343,7 @@ REFUSED = {
     ),
     "too many": (
         one_body("<geom/>" * (MAXIMUM_PIECES // 2)),
-        "MJCF holds more than 20,000 bodies, joints and geoms, the most that is read (arm.xml:3)",
+        "MJCF holds more than 20,000 bodies, joints and geoms, the limit (arm.xml:3)",
     ),
 }
 
@@ -415,7 +415,7 @@ def test_an_infinite_place_is_refused_where_it_stands() -> None:
 def test_efforts_that_are_not_alike_to_both_sides_are_told() -> None:
     text = mjcf_text.one_body("").replace('<joint name="elbow"/>', '<joint name="elbow" actuatorfrcrange="{}"/>')
     for ends, effort in (("0 5", 0.0), ("-3 5", 3.0)):
-        with pytest.warns(NotCarriedOver, match=r"actuatorfrcrange that is not alike .* of joints 'elbow'"):
+        with pytest.warns(NotCarriedOver, match=r"asymmetric actuatorfrcrange .* of joints 'elbow'"):
             (body,) = parse_mjcf(text.format(ends)).mechanism.bodies
         assert body.joint.limits.effort == effort
 
@@ -454,7 +454,7 @@ def test_what_mujoco_remarks_is_told_with_the_file() -> None:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         parse_mjcf(text, "arm.xml")
-    assert all(str(each.message).startswith("MuJoCo says of arm.xml: ") for each in caught)
+    assert all(str(each.message).startswith("MuJoCo says about arm.xml: ") for each in caught)
     assert all("mjcf_model" not in each.filename for each in caught)
 
 

@@ -49,24 +49,24 @@ ARM, LIMB = '<mujoco><include file="{}"/></mujoco>', '<mujoco><body name="x"><ge
 REFUSED = {
     "no such file": (
         {"forearm": None},
-        "<include> 'forearm.xml': there is no such file in '{0}'; put it there ({0}/arm.xml:3)",
+        "<include> there is no file 'forearm.xml' in '{0}'; put it there ({0}/arm.xml:3)",
     ),
     "no name": ({"arm": "<mujoco><include/></mujoco>"}, '<include> names no file; give it file="..." ({0}/arm.xml:1)'),
     "out of the folder": (
         {"arm": ARM.format("../secret.xml")},
-        "<include> '../secret.xml' is not within '{0}', and is not read, for safety; .* ({0}/arm.xml:1)",
+        "<include> '../secret.xml' is not within '{0}', so it is not read, for safety; .* ({0}/arm.xml:1)",
     ),
     "an absolute path": (
         {"arm": ARM.format("/etc/passwd")},
-        "<include> '/etc/passwd' is not within '{0}', and is not read, for safety; .* ({0}/arm.xml:1)",
+        "<include> '/etc/passwd' is not within '{0}', so it is not read, for safety; .* ({0}/arm.xml:1)",
     ),
     "a circle": (
         {"arm": ARM.format("scene.xml")},
-        "<include> 'scene.xml': the file is part of the model already; name it once ({0}/arm.xml:1)",
+        "<include> 'scene.xml': the file is already part of the model; include it once ({0}/arm.xml:1)",
     ),
     "a file twice": (
         {"arm": ARM.format("common/options.xml")},
-        "<include> 'common/options.xml': the file is part of the model already; name it once ({0}/arm.xml:1)",
+        "<include> 'common/options.xml': the file is already part of the model; include it once ({0}/arm.xml:1)",
     ),
     "a long name": ({"arm": ARM.format("x" * 5000)}, f"<include> '{'x' * 80}' cannot be read: .* ({{0}}/arm.xml:1)"),
     "a folder": (
@@ -75,16 +75,16 @@ REFUSED = {
     ),
     "another format": (
         {"forearm": "<robot/>"},
-        "<include> 'forearm.xml' is of another format, its root must be <mujocoinclude>, got <robot> ({0}/arm.xml:3)",
+        "<include> 'forearm.xml' is of another format: its root must be <mujocoinclude>, got <robot> ({0}/arm.xml:3)",
     ),
     "no XML": ({"forearm": "\n<mujoco"}, "XML is not well formed: unclosed token ({0}/forearm.xml:2)"),
     "entities": (
         {"forearm": '<!DOCTYPE m [<!ENTITY a "b">]><mujoco>&a;</mujoco>'},
-        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out ({0}/forearm.xml:1)",
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; remove it ({0}/forearm.xml:1)",
     ),
     "not a number": (
         {"forearm": "<mujoco>\n" + LIMB.format('pos="0 nan 0"')[8:]},
-        "<geom> pos '0 nan 0' must not hold nan ({0}/forearm.xml:2)",
+        "<geom> pos '0 nan 0' must not contain nan ({0}/forearm.xml:2)",
     ),
     "other text": (
         {"forearm": '<mujoco><replicate count="9"/></mujoco>'},
@@ -96,11 +96,11 @@ REFUSED = {
     ),
     "an element that holds something": (
         {"arm": '<mujoco>\n<include file="limb.xml"><body/></include></mujoco>'},
-        "<include> stands for its file and must be empty, got <body> in it ({0}/arm.xml:2)",
+        "<include> stands for its file and must be empty, but holds <body> ({0}/arm.xml:2)",
     ),
     "depth": (
         {"forearm": f"<mujoco>{'<body>' * 497}{'</body>' * 497}</mujoco>"},
-        "XML holds elements nested more than 499 deep, the most that is read ({0}/forearm.xml:1)",
+        "XML holds elements nested more than 499 deep, the limit ({0}/forearm.xml:1)",
     ),
 }
 

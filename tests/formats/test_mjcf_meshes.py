@@ -93,18 +93,18 @@ def test_a_mesh_of_an_included_file_is_beside_the_first(tmp_path: Path) -> None:
 REFUSED: dict[str, tuple[str, dict[str, bytes], str]] = {
     "missing": (
         arm(compiler='meshdir="shapes"'), {},
-        "mesh 'upper', from which a body has its inertia: 'shapes/upper.stl': there is no such file in '{0}'; put it "
+        "mesh 'upper', which gives a body its inertia: there is no file 'shapes/upper.stl' in '{0}'; put it "
         "there ({0}/arm.xml:3)",
     ),
     "outside": (
         arm(compiler='meshdir="../shapes"'), {"../shapes/upper.stl": stl()},
-        "'../shapes/upper.stl' is not within '{0}', and is not read, for safety; put the file there, or give its "
-        "bodies an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinertial is true ({0}/arm.xml:3)",
+        "'../shapes/upper.stl' is not within '{0}', so it is not read, for safety; put the file there, or give its "
+        "bodies an <inertial>; MuJoCo writes one if MjSpec.compiler.saveinertial is true ({0}/arm.xml:3)",
     ),
     "from the root": (arm('<mesh name="upper" file="/etc/shape.stl"/>'), {}, "'/etc/shape.stl' is not within '{0}'"),
     "another format": (
         arm('<mesh name="upper" file="upper.dae"/>'), {"upper.dae": b"x"},
-        "'upper.dae' is none of .stl, .obj, .msh; give its bodies an <inertial>",
+        "'upper.dae' does not end in .stl, .obj, .msh; give its bodies an <inertial>",
     ),
     "cut short": (
         arm(compiler='meshdir="shapes"'), {"shapes/upper.stl": stl()[:-20]},
@@ -136,5 +136,5 @@ def test_all_meshes_together_are_bounded(tmp_path: Path, monkeypatch: pytest.Mon
     path = written(tmp_path, twice, {"upper.stl": stl()})
     assert read(path).nv == 2
     monkeypatch.setattr(mjcf_meshes, "MAXIMUM_BYTES", len(stl()) + 10)
-    with pytest.raises(ModelError, match=r"mesh 'upper', .* file is larger than 10 bytes, the most that is read"):
+    with pytest.raises(ModelError, match=r"mesh 'upper', .* file is larger than 10 bytes, the limit"):
         read(path)

@@ -97,7 +97,7 @@ def test_a_coupled_mimic_keeps_its_relation() -> None:
 
 
 def test_a_mimic_of_nothing_is_free_or_an_error() -> None:
-    with pytest.warns(MimicWarning, match=r"ties them, but the file has no movable leader of 'right'"):
+    with pytest.warns(MimicWarning, match=r"ties them, but the file has no movable leader for 'right'"):
         assert parse_urdf(gripper(leader="lost")).bodies[1].joint.mimic is None
     with pytest.raises(ModelError, match=r"joint 'right': mimics joint 'lost', which does not exist"):
         parse_urdf(gripper(leader="lost"), mimic="coupled")
@@ -123,16 +123,16 @@ def test_inertia_of_rotors_that_a_urdf_states_is_not_lost_in_silence(stated: tup
     inside, beside = stated
     text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute", inside), beside)
     text = text.replace("<robot", '<robot xmlns:d="http://drake.mit.edu"', 1)
-    with pytest.warns(NotCarriedOver, match="inertia of rotors of joints 'elbow': state rotor and ratio in a drive"):
+    with pytest.warns(NotCarriedOver, match="rotor inertia of joints 'elbow': state rotor and ratio in a drive"):
         parse_urdf(text)
     parse_urdf(text.replace("0.1", "0.0").replace("1e-4", "0"))
 
 
 def test_a_mimic_of_a_joint_that_is_fixed_is_free_or_an_error() -> None:
     fixed = gripper().replace('name="left" type="revolute"', 'name="left" type="fixed"')
-    with pytest.warns(MimicWarning, match="mimic joints 'right' .* but the file has no movable leader of 'right'"):
+    with pytest.warns(MimicWarning, match="mimic joints 'right' .* but the file has no movable leader for 'right'"):
         assert [body.joint.name for body in parse_urdf(fixed).bodies] == ["right"]
-    with pytest.raises(ModelError, match=r"'left', which is fixed; .* can be locked, or load with independent mimics"):
+    with pytest.raises(ModelError, match=r"'left', which is fixed; .* can be locked; or load with independent mimics"):
         parse_urdf(fixed, mimic="coupled")
 
 
@@ -197,14 +197,14 @@ def test_a_xacro_file_that_needs_ros_says_where_to_expand_it(tmp_path: Path, mon
     monkeypatch.setitem(sys.modules, "ament_index_python.packages", None)
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find arm)/arm.xacro"/></robot>')
-    with pytest.raises(ModelError, match=r"asks ROS: expand it where that is, xacro arm\.urdf\.xacro > arm\.urdf, and"):
+    with pytest.raises(ModelError, match=r"needs ROS: expand it where ROS is, xacro arm\.urdf\.xacro > arm\.urdf, and"):
         load_urdf(path)
 
 
 def test_a_xacro_file_that_needs_arguments_says_how_to_state_them(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(f'<robot name="$(arg name)" {XACRO}/>')
-    with pytest.raises(ModelError, match=r"; state its arguments, xacro arm\.urdf\.xacro NAME:=VALUE > arm\.urdf, and"):
+    with pytest.raises(ModelError, match=r"; set its arguments, xacro arm\.urdf\.xacro NAME:=VALUE > arm\.urdf, and"):
         load_urdf(path)
 
 

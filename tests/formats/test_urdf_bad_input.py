@@ -37,23 +37,24 @@ LINKS = {
     "triangle inequality": (
         link("arm", 1.0, (1.0, 0.1, 0.1)),
         "link 'arm': principal moments of inertia 0.1, 0.1, 1 kg m2: the largest exceeds the sum of the others by"
-        " 80.00% of itself (triangle inequality); check <inertia> and its <origin>; ixx, iyy and izz larger by 0.8008"
-        " would do; mend_inertia=True does that (--mend-inertia) (arm.urdf:3)",
+        " 80.00% of itself (triangle inequality); check <inertia> and its <origin>; increasing ixx, iyy and izz by"
+        " 0.8008 would do; mend_inertia=True does that (--mend-inertia) (arm.urdf:3)",
     ),
     "negative moment": (
         link("arm", 1.0, (-0.1, 0.1, 0.1)),
         "link 'arm': principal moments of inertia -0.1, 0.1, 0.1 kg m2: none must be negative;"
-        " check <inertia> and its <origin>; ixx, iyy and izz larger by 0.1001 would do;"
+        " check <inertia> and its <origin>; increasing ixx, iyy and izz by 0.1001 would do;"
         " mend_inertia=True does that (--mend-inertia) (arm.urdf:3)",
     ),
     "inertia without mass": (
         link("arm", 0),
         "link 'arm': principal moments of inertia 0.1, 0.1, 0.1 kg m2: without mass (0 kg) there is no inertia;"
-        " state the mass, or leave <inertial> out (arm.urdf:3)",
+        " state the mass or leave out <inertial> (arm.urdf:3)",
     ),
     "mass beyond machines": (
         link("arm", "1e300"),
-        "link 'arm': mass must not exceed 1e+12 in SI units, as in no machine, got 1e+300; check its unit (arm.urdf:3)",
+        "link 'arm': mass must not exceed 1e+12 in SI units, beyond any machine, got 1e+300; check its"
+        " unit (arm.urdf:3)",
     ),
     "no inertial": (
         link("arm", None),
@@ -65,7 +66,7 @@ LINKS = {
     ),
     "two inertials": (
         '<link name="arm"><inertial/>\n<inertial/></link>',
-        "link 'arm': has 2 <inertial>; one at most is allowed (arm.urdf:4)",
+        "link 'arm': has 2 <inertial>; at most one is allowed (arm.urdf:4)",
     ),
     "angle in degrees": (
         link("arm", origin='<origin rpy="0 90 0"/>'),
@@ -78,14 +79,13 @@ JOINTS = {
     "short axis": ('<axis xyz="0 1"/>', "joint 'elbow': <axis> xyz '0 1' must be three finite numbers"),
     "swapped limits": (
         '<limit lower="1" upper="-1"/>',
-        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad; leave both out where there is no limit",
+        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad; leave both out for no limit",
     ),
     "nan limit": ('<limit upper="nan"/>', "joint 'elbow': <limit> upper 'nan' must be a number, inf or -inf"),
     "empty limit": ('<limit velocity=" "/>', "joint 'elbow': <limit> has nothing in the attribute 'velocity'"),
     "negative effort": (
         '<limit effort="-5"/>',
-        "joint 'elbow': effort limit -5.0 N m must not be negative; leave it out, or state inf, where"
-        " there is no limit",
+        "joint 'elbow': effort limit -5.0 N m must not be negative; leave it out or state inf for no limit",
     ),
     "negative damping": ('<dynamics damping="-1"/>', "joint 'elbow': damping -1.0 N m s/rad must not be negative"),
     "angle in degrees": (
@@ -138,7 +138,7 @@ DOCUMENTS = {
     ),
     "another dialect": (
         robot(link("base"), link("a"), '<drake:joint xmlns:drake="http://drake.mit.edu" name="j" type="ball"/>'),
-        "<joint> of the dialect 'http://drake.mit.edu' is not read, and the tree lacks it: state it as URDF's own"
+        "<joint> of the dialect 'http://drake.mit.edu' is not read, and the tree lacks it: state it in plain URDF"
         " (arm.urdf:4)",
     ),
     "a link twice": (
@@ -148,16 +148,16 @@ DOCUMENTS = {
     "no name": (robot("<link/>"), "link '': <link> needs the attribute 'name' (arm.urdf:2)"),
     "no links": (
         robot(),
-        "the robot has no links; a file that only defines macros wants the one that calls them (arm.urdf)",
+        "the robot has no links; if the file only defines macros, give the one that calls them (arm.urdf)",
     ),
     "unknown joint": (
         arm(link("arm"), kind="screw"),
-        f"joint 'elbow': type 'screw' is not supported; those that are: {KINDS} (arm.urdf:4)",
+        f"joint 'elbow': type 'screw' is not supported; supported types: {KINDS} (arm.urdf:4)",
     ),
     "planar joint that mimics": (
         arm(link("arm"), '<mimic joint="elbow"/>', kind="planar"),
         "joint 'elbow': mimics joint 'elbow', but is planar;"
-        " a follower is one of revolute, continuous, prismatic, helical (arm.urdf:4)",
+        " a follower must be one of revolute, continuous, prismatic, helical (arm.urdf:4)",
     ),
     "no child": (
         robot(link("base"), '<joint name="j" type="fixed"><parent link="base"/></joint>'),
@@ -166,24 +166,23 @@ DOCUMENTS = {
     "another format": ("<mujoco/>", "the root element of a URDF is <robot>, got <mujoco> (an MJCF file) (arm.urdf:1)"),
     "open element": (
         "<robot>\n<link>\n</robot>",
-        "XML is not well formed: mismatched tag, at column 3: close each element before the one that"
-        " holds it (arm.urdf:3)",
+        "XML is not well formed: mismatched tag, at column 3: close each element before its parent (arm.urdf:3)",
     ),
     "no XML": ("hello", "XML is not well formed: syntax error (arm.urdf:1)"),
     "bytes that are no UTF-8": (
         b"<robot>\xff</robot>",
-        "XML is not well formed: not well-formed (invalid token), at column 8: write & as &amp; and < as &lt;, no -- in"
-        " comments, and save the file as UTF-8 (arm.urdf:1)",
+        "XML is not well formed: not well-formed (invalid token), at column 8: write & as &amp; and < as &lt;, use no"
+        " -- in comments, and save the file as UTF-8 (arm.urdf:1)",
     ),
     "a declaration that is not first": (
         '\n<?xml version="1.0"?>\n<robot/>',
-        "XML is not well formed: XML or text declaration not at start of entity, at column 1: take out what"
-        " stands before <?xml ...?>, blank lines and comments too (arm.urdf:2)",
+        "XML is not well formed: XML or text declaration not at start of entity, at column 1: remove everything"
+        " before <?xml ...?>, even blank lines and comments (arm.urdf:2)",
     ),
     "a prefix that is not declared": (
         "<robot>\n<sensor:camera/></robot>",
         "XML is not well formed: unbound prefix, at column 1: declare the prefix in the root element, xmlns:"
-        'prefix="...", or take it out (arm.urdf:2)',
+        'prefix="...", or remove it (arm.urdf:2)',
     ),
     "quaternions in a file without them": (
         arm(link("arm"), '<origin quat_xyzw="0 0 0 1"/>').replace("1.2", "1.0"),
@@ -191,15 +190,15 @@ DOCUMENTS = {
     ),
     "billion laughs": (
         '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]>\n<robot>&b;</robot>',
-        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.urdf:1)",
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; remove it (arm.urdf:1)",
     ),
     "external entity": (
         '\n<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]>\n<robot>&a;</robot>',
-        "XML with a document type (<!DOCTYPE>) is not read, for safety; take it out (arm.urdf:2)",
+        "XML with a document type (<!DOCTYPE>) is not read, for safety; remove it (arm.urdf:2)",
     ),
     "depth": (
         "<a>\n" * (MAXIMUM_DEPTH + 1),
-        "XML holds elements nested more than 499 deep, the most that is read (arm.urdf:500)",
+        "XML holds elements nested more than 499 deep, the limit (arm.urdf:500)",
     ),
 }
 
@@ -219,15 +218,18 @@ def test_a_wrong_joint_is_named_with_its_line(case: str) -> None:
 @pytest.mark.parametrize(
     ("inside", "meant"),
     [
-        ('<axsi xyz="0 1 0"/>', "<joint> holds <axsi>, which URDF does not have; did you mean <axis>?"),
-        ('<axes xyz="0 1 0"/>', "<joint> holds <axes>, which URDF does not have; did you mean <axis>?"),
-        ('<orign xyz="1 0 0"/>', "<joint> holds <orign>, which URDF does not have; did you mean <origin>?"),
-        ('<limits effort="5"/>', "<joint> holds <limits>, which URDF does not have; did you mean <limit>?"),
-        ('<Dynamics damping="5"/>', "<joint> holds <Dynamics>, which URDF does not have; did you mean <dynamics>?"),
-        ('<axis xzy="0 1 0"/>', "<axis> has the attribute 'xzy', which URDF does not have; did you mean 'xyz'?"),
-        ('<origin ryp="0 1 0"/>', "<origin> has the attribute 'ryp', which URDF does not have; did you mean 'rpy'?"),
-        ('<limit efort="5"/>', "<limit> has the attribute 'efort', which URDF does not have; did you mean 'effort'?"),
-        ('<dynamics dampning="5"/>', "<dynamics> has the attribute 'dampning', which URDF .* you mean 'damping'?"),
+        ('<axsi xyz="0 1 0"/>', "<joint> holds <axsi>, which is not URDF; did you mean <axis>?"),
+        ('<axes xyz="0 1 0"/>', "<joint> holds <axes>, which is not URDF; did you mean <axis>?"),
+        ('<orign xyz="1 0 0"/>', "<joint> holds <orign>, which is not URDF; did you mean <origin>?"),
+        ('<limits effort="5"/>', "<joint> holds <limits>, which is not URDF; did you mean <limit>?"),
+        ('<Dynamics damping="5"/>', "<joint> holds <Dynamics>, which is not URDF; did you mean <dynamics>?"),
+        ('<axis xzy="0 1 0"/>', "<axis> has the attribute 'xzy', which is not URDF; did you mean 'xyz'?"),
+        ('<origin ryp="0 1 0"/>', "<origin> has the attribute 'ryp', which is not URDF; did you mean 'rpy'?"),
+        ('<limit efort="5"/>', "<limit> has the attribute 'efort', which is not URDF; did you mean 'effort'?"),
+        (
+            '<dynamics dampning="5"/>',
+            "<dynamics> has the attribute 'dampning', which is not URDF; .* you mean 'damping'?",
+        ),
     ],
 )
 def test_slips_that_would_leave_another_robot_are_refused(inside: str, meant: str) -> None:
@@ -254,9 +256,7 @@ def test_the_number_of_elements_is_capped() -> None:
 
 def test_the_length_of_an_attribute_is_capped() -> None:
     text = robot(link("a" * (MAXIMUM_ATTRIBUTE + 1)))
-    told = (
-        "XML holds 'name' of <link>, an attribute of 1,000,001 characters, more than 1,000,000, the most that is read"
-    )
+    told = "XML holds 'name' of <link>, an attribute of 1,000,001 characters, more than 1,000,000, the limit"
     assert refused(text) == f"{told} (arm.urdf:2)"
     quoted = refused(robot(link("a" * MAXIMUM_ATTRIBUTE, "heavy")))
     assert len(quoted) < 25_000 and quoted.endswith("' must be a finite number (arm.urdf:2)")
@@ -285,7 +285,7 @@ def test_paths_that_are_no_files_are_refused(tmp_path: Path) -> None:
         tmp_path / "absent.urdf": "absent.urdf' does not exist",
         tmp_path: "is a directory; give the path of a file",
         empty: "file is empty (",
-        large: "file is larger than 67,108,864 bytes, the most that is read (",
+        large: "file is larger than 67,108,864 bytes, the limit (",
     }
     for path, rule in rules.items():
         with pytest.raises(ModelError, match=re.escape(rule)):

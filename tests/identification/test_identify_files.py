@@ -93,7 +93,7 @@ def test_only_links_that_changed_are_touched():
 def test_mass_fixed_to_a_link_goes_there_and_is_said():
     before = parse_urdf(ODD)
     text, notes = updated_urdf(ODD, before, heavier(before))
-    assert notes == ("link 'wrist' now holds mass and inertia of gripper too, fixed to it",)
+    assert notes == ("link 'wrist' now includes mass and inertia of gripper, fixed to it",)
     gripper = text[text.index(b"<link name='gripper'>") :]
     assert b"<inertial>" not in gripper[: gripper.index(b"</link>")]
 
@@ -102,7 +102,7 @@ def test_what_a_locked_joint_carried_is_in_the_link_before_it_and_the_lock_is_sa
     before = parse_urdf(ODD, lock={"roll": 0.3})
     after = heavier(before)
     text, notes = updated_urdf(ODD, before, after)
-    assert "load it with roll locked as now: what these move has no mass left" in notes
+    assert "load it with roll locked as now: the links they move have no mass left" in notes
     found, wanted = parameters(parse_urdf(text, lock={"roll": 0.3})), parameters(after)
     assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
 
@@ -184,7 +184,7 @@ def test_what_a_file_can_say_is_not_changed():
 
 def test_a_rotor_that_is_found_to_be_nothing_does_not_cost_the_file():
     rigid = Drive(100.0, Rotor(0.0))
-    assert worded(rigid) == (Drive(100.0), ("a rotor without inertia is written as none",))
+    assert worded(rigid) == (Drive(100.0), ("a rotor without inertia is written as no rotor",))
     elastic = replace(rigid, compliance=LinearSpring(7e3))
     assert worded(elastic) == (elastic, ())  # a spring needs one: there is no word for it
 

@@ -174,5 +174,5 @@ def test_statics_with_kinematic_error_hold_the_links():
 
 
 def test_limits_that_are_no_number_are_refused():
-    with pytest.raises(ModelError, match=r"joint 'joint1': limits .* hold nan; infinite is no limit"):
+    with pytest.raises(ModelError, match=r"joint 'joint1': limits .* contain nan; use infinity for no limit"):
         robot("xia2019", "numpy").with_drives({"joint1": Drive(limits=Limits(effort=np.nan))})

@@ -179,12 +179,12 @@ MIMICS = {
     ),
     "huge": (
         [("a", None), ("b", Mimic("a", 1e200))],
-        "joint 'b': mimic multiplier and offset must not exceed 1e+12 in SI units, as in no machine, got 1e+200; "
+        "joint 'b': mimic multiplier and offset must not exceed 1e+12 in SI units, beyond any machine, got 1e+200; "
         "check its unit",
     ),
     "huge as a chain": (
         [("a", None), ("b", Mimic("a", 1.0, 1e10)), ("c", Mimic("b", 1e9))],
-        "joint 'c': mimic multiplier and offset must not exceed 1e+12 in SI units, as in no machine, got 1e+19; "
+        "joint 'c': mimic multiplier and offset must not exceed 1e+12 in SI units, beyond any machine, got 1e+19; "
         "check its unit",
     ),
     "long": (
@@ -197,7 +197,7 @@ MIMICS = {
 def test_a_leader_has_one_coordinate() -> None:
     joints = [Joint("ball", "spherical", "base", "a"), Joint("j", "revolute", "a", "b", mimic=Mimic("ball"))]
     with pytest.raises(
-        ModelError, match="joint 'j': mimics joint 'ball', which is spherical; a leader is one of revol"
+        ModelError, match="joint 'j': mimics joint 'ball', which is spherical; a leader must be one of revol"
     ):
         build("r", [ball("base"), ball("a"), ball("b")], joints, coupled=True)
 
@@ -219,7 +219,7 @@ LOCKS = {
     "nan": ({"j1": np.nan}, "lock of joint 'j1': value nan must be a finite number"),
     "huge": (
         {"j1": -1e160},
-        "lock of joint 'j1': value must not exceed 1e+12 in SI units, as in no machine, got 1e+160; check its unit",
+        "lock of joint 'j1': value must not exceed 1e+12 in SI units, beyond any machine, got 1e+160; check its unit",
     ),
 }
 
@@ -271,16 +271,16 @@ LINKS = {
     ),
     "mass of a mountain range": (
         Link("arm", 1e300),
-        "mass must not exceed 1e+12 in SI units, as in no machine, got 1e+300; check its unit",
+        "mass must not exceed 1e+12 in SI units, beyond any machine, got 1e+300; check its unit",
     ),
     "com beyond the moon": (
         Link("arm", 1.0, np.array([0.0, -1e200, 0.0])),
-        "com must not exceed 1e+12 in SI units, as in no machine, got 1e+200; check its unit",
+        "com must not exceed 1e+12 in SI units, beyond any machine, got 1e+200; check its unit",
     ),
     "inertia without mass": (
         Link("arm", 0.0, inertia=np.diag([0.1, 0.2, 0.2])),
         "principal moments of inertia 0.1, 0.2, 0.2 kg m2: without mass (0 kg) there is no inertia;"
-        " state the mass, or leave <inertial> out",
+        " state the mass or leave out <inertial>",
     ),
 }
 
@@ -296,13 +296,13 @@ def test_all_bodies_that_no_mass_can_make_are_named_with_what_would_mend_them() 
     with pytest.raises(ModelError, match=re.escape(f"kg m2: {rule}; check")) as caught:
         build("r", links(0.0), joints)
     told = re.search(
-        r"ixx, iyy and izz larger by (\S+) would do, of 'fore' by \1, of 'hand' by \1; mend_inertia=True does that",
+        r"increasing ixx, iyy and izz by (\S+) would do, of 'fore' by \1, of 'hand' by \1; mend_inertia=True does that",
         str(caught.value),
     )
     assert told is not None
     assert caught.value.evidence["links"] == ["upper", "fore", "hand"]
     build("r", links(float(told[1])), joints)
-    with pytest.warns(MendedWarning, match=rf"are larger here, .* 'upper' by {told[1]}, 'fore' by .*, 'hand' by"):
+    with pytest.warns(MendedWarning, match=rf"are increased, .* 'upper' by {told[1]}, 'fore' by .*, 'hand' by"):
         mended = build("r", links(0.0), joints, mend_inertia=True)
     for body in mended.bodies:
         np.testing.assert_allclose(body.inertia, links(float(told[1]))[1].inertia, rtol=1e-3)
@@ -330,7 +330,7 @@ JOINTS = {
     ),
     "placement beyond the moon": (
         {"placement": pose(np.eye(3), np.array([0.0, 0.0, 1e308]))},
-        "placement must not exceed 1e+12 in SI units, as in no machine, got 1e+308; check its unit",
+        "placement must not exceed 1e+12 in SI units, beyond any machine, got 1e+308; check its unit",
     ),
     "unknown kind": (
         {"kind": "screw"},
@@ -350,7 +350,7 @@ JOINTS = {
     ),
     "follower with three coordinates": (
         {"kind": "spherical", "mimic": Mimic("j")},
-        "mimics joint 'j', but is spherical; a follower is one of revolute, continuous, prismatic, helical",
+        "mimics joint 'j', but is spherical; a follower must be one of revolute, continuous, prismatic, helical",
     ),
     "nan limit": ({"limits": Limits(lower=np.nan)}, "limit lower must be a number, got nan"),
 }

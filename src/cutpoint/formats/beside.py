@@ -14,10 +14,10 @@ def file_within(folder: Path, name: str, otherwise: str) -> Path:
     path = folder / name
     try:
         if not path.resolve().is_relative_to(folder.resolve()):
-            told = f"{name!r} is not within {str(folder)!r}, and is not read, for safety"
+            told = f"{name!r} is not within {str(folder)!r}, so it is not read, for safety"
             raise ModelError(f"{told}; put the file there, or {otherwise}", file=name)
         if not path.exists():
-            raise ModelError(f"{name!r}: there is no such file in {str(folder)!r}; put it there", file=name)
+            raise ModelError(f"there is no file {name!r} in {str(folder)!r}; put it there", file=name)
     except (OSError, RuntimeError, ValueError) as problem:  # names that are too long, circular links
         if isinstance(problem, ModelError):
             raise

@@ -75,7 +75,7 @@ def _ratio(sheet: DriveSheet, section: Section) -> float:
     if sheet.ratio is not None:
         raise section.error(("gear",), "has both 'ratio' and 'gear'; state one of them")
     if section.slides:
-        raise section.error(("gear",), "'gear' is for joints that turn; on a prismatic joint state 'ratio' in rad/m")
+        raise section.error(("gear",), "'gear' is for rotary joints; on a prismatic joint state 'ratio' in rad/m")
     return harmonic_ratio(sheet.gear)
 
 
@@ -96,7 +96,9 @@ def _rotor(sheet: RotorSheet, section: Section) -> Rotor:
         if sheet.in_link_inertia and getattr(sheet, name):
             path = ("rotor", name)
             stated = section.stated(DriveSheet, path, getattr(sheet, name))
-            raise section.error(path, f"{stated} counts only with 'in_link_inertia: false'; the link holds the rotor")
+            raise section.error(
+                path, f"{stated} counts only with 'in_link_inertia: false'; the link includes the rotor"
+            )
     return Rotor(**sheet.model_dump())
 
 
@@ -143,9 +145,9 @@ def _harmonics(sheet: WaveSheet, path: tuple[str, ...], section: Section) -> tup
     found = []
     for at, (order, amplitude, phase) in rows:
         if amplitude < 0.0 or order < 1.0:
-            rule = "must have an order of 1 at least, and an amplitude that is not negative"
+            rule = "must have an order of at least 1 and an amplitude that is not negative"
             raise section.error(at, f"{'.'.join(at)} [{order!r}, {amplitude!r}, {phase!r}] {rule}")
-        found.append(Harmonic(_whole(order, (*at, "order"), "waves a turn", section), amplitude, phase))
+        found.append(Harmonic(_whole(order, (*at, "order"), "waves per turn", section), amplitude, phase))
     return tuple(found)
 
 

@@ -39,7 +39,7 @@ def worded(drive: Drive) -> tuple[Drive, tuple[str, ...]]:
     rotor = drive.rotor
     if rotor is not None and rotor.inertia == 0 and rotor.in_link_inertia and not drive.is_elastic:
         drive, notes = worded(replace(drive, rotor=None))
-        return drive, ("a rotor without inertia is written as none", *notes)
+        return drive, ("a rotor without inertia is written as no rotor", *notes)
     if not isinstance(drive.hysteresis, MaxwellSlip) or is_smooth(drive.hysteresis):
         return drive, ()
     alike = f"{ELEMENTS} whose wide loops have the same width and area"

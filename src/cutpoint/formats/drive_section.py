@@ -16,7 +16,7 @@ S = TypeVar("S", bound=Sheet)
 _RULES = {
     "finite_number": "must be finite",
     "float_type": "must be a number",
-    "string_type": "must be a text",
+    "string_type": "must be text",
     "bool_type": "must be true or false",
     "list_type": "must be a list",
     "dict_type": "must be a mapping of fields",
@@ -81,9 +81,9 @@ class Section:
         owner = sheet_at(sheet, path[:-1])
         key, within = "".join(path[-1:]), f" in {'.'.join(path[:-1])}" if len(path) > 1 else ""
         if kind == "extra_forbidden" and owner:
-            meant = next((f", did you mean {x!r}" for x in close_to(key, owner.model_fields)), "")
+            meant = next((f"; did you mean {x!r}?" for x in close_to(key, owner.model_fields)), "")
             known = listed(owner.model_fields)
-            return self.error(path, f"unknown key {key!r}{within}{meant}; those that exist are {known}")
+            return self.error(path, f"unknown key {key!r}{within}; known keys: {known}{meant}")
         if kind == "missing":
             field = field_of(sheet, path)
             unit, told = self.unit(field), f": {field.description}" if field and field.description else ""
@@ -94,14 +94,14 @@ class Section:
         nested = sheet_at(sheet, path)
         if detail["type"] == "model_type" and nested:
             short = _extra(field_of(sheet, path), "short")
-            return f"must be {f'{short} or ' if short else ''}a mapping with keys out of {listed(nested.model_fields)}"
+            return f"must be {f'{short} or ' if short else ''}a mapping with keys from {listed(nested.model_fields)}"
         if detail["type"] == "literal_error":
             return f"must be {detail['ctx']['expected']}"
         if detail["type"] == "dict_type" and (field := field_of(sheet, path)):
             return f"must be a mapping: {field.description}"
         if detail["type"] in ("list_type", "too_short", "too_long") and path[-1:] and path[-1].isdigit():
             field = field_of(sheet, path)
-            return f"is none of these: {field.description if field else ''}"
+            return f"must be one of: {field.description if field else ''}"
         if detail["type"] == "float_type" and isinstance(detail["input"], str) and "," in detail["input"]:
             return "must be a number, written without commas"
         context = detail.get("ctx", {})

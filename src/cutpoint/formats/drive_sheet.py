@@ -41,11 +41,11 @@ class DriveSheet(Sheet):
     """One joint's drive."""
 
     catalogue: str | None = Field(
-        None, description="a drive by its catalogue's name; what is stated beside it counts instead"
+        None, description="a drive by its catalogue name; what is stated beside it overrides it"
     )
     ratio: float | None = quantity("1", "rad/m", "signed motor turns per joint turn; 1 without a gear", None)
-    gear: GearSheet | None = Field(None, description="the ratio by the gear's make; instead of `ratio`")
-    rotor: RotorSheet | None = Field(None, description="the motor's turning part; an elastic drive needs it")
+    gear: GearSheet | None = Field(None, description="the ratio by the gear's design; instead of `ratio`")
+    rotor: RotorSheet | None = Field(None, description="the motor's rotating part; required for an elastic drive")
     compliance: Annotated[ComplianceSheet | None, BeforeValidator(_rigid_is_none)] = short(
         "'rigid'", "the spring between motor and link, or `rigid`", None
     )
@@ -55,17 +55,17 @@ class DriveSheet(Sheet):
     damping: float | None = quantity("N m s/rad", "N s/m", "of the spring, at the joint's side", None, ge=0)
     hysteresis: HysteresisSheet | None = Field(None, description="of the spring; needs `compliance`")
     kinematic_error: KinematicErrorSheet | None = Field(
-        None, description="by how much the unloaded output lags ratio-true rotation; needs `compliance`"
+        None, description="lag of the unloaded output behind the exact ratio; needs `compliance`"
     )
     friction: FrictionSheet | None = Field(None, description="on either side of the spring")
     motor: MotorSheet | None = Field(None, description="what lies between a torque command and the shaft")
     limits: LimitsSheet | None = Field(None, description="of the drive, at the joint's side")
-    ratings: RatingsSheet | None = Field(None, description="what the maker allows; only sizing reads it")
+    ratings: RatingsSheet | None = Field(None, description="what the maker allows; used only by sizing")
 
 
 class FileSheet(Sheet):
     """The file as a whole."""
 
-    version: float = Field(description="1, that of this format")
-    defaults: dict[str, Any] = Field({}, description="fields that every drive below starts from")
-    drives: dict[str, dict[str, Any]] = Field(description="one entry for each driven joint, by the joint's name")
+    version: float = Field(description="1 for this format")
+    defaults: dict[str, Any] = Field({}, description="default fields of every drive below")
+    drives: dict[str, dict[str, Any]] = Field(description="one entry per driven joint, by joint name")

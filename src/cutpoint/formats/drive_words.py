@@ -28,10 +28,10 @@ def to_entry(drive: Drive) -> dict[str, Any]:
     sliding = (getattr(law, "sliding", None) for law in frictions)
     for law in (drive.compliance, drive.hysteresis, drive.kinematic_error, *frictions, *sliding):
         if law is not None and not is_of_cutpoint(law):
-            raise InputError(f"a drive file has no words for {law!r}, a law of your own", law=law)
+            raise InputError(f"a drive file cannot express {law!r}, a law of your own", law=law)
     spring = spring_of(drive.compliance)
     if isinstance(spring, HarmonicSpring) and spring.wave_generator.ratio != abs(drive.ratio):
-        raise InputError("a drive file has one ratio; the wave generator's is another", ratio=drive.ratio)
+        raise InputError("a drive file has one ratio, and the wave generator's differs", ratio=drive.ratio)
     friction = {"link": friction_entry(drive.link_friction), "motor": friction_entry(drive.motor_friction)}
     fields = {
         "rotor": drive.rotor and _rotor_entry(drive.rotor),
@@ -61,7 +61,7 @@ def _spring_entry(law: Compliance | None) -> dict[str, Any] | None:
         case HarmonicSpring(Flexspline() as flexspline, wave):
             own = {name: float(getattr(wave, name)) for name in ("stiffness", "hardening", "blend")}
             return (_spring_entry(flexspline) or {}) | {"wave_generator": own}
-    raise InputError(f"a drive file has no words for {law!r}", law=law)
+    raise InputError(f"a drive file cannot express {law!r}", law=law)
 
 
 def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | None:
@@ -71,7 +71,7 @@ def _hysteresis_entry(law: Any, spring: Compliance | None) -> dict[str, Any] | N
     if isinstance(law, MaxwellSlip) and spring is not None and len(law.reach) <= MOST_ELEMENTS and is_smooth(law):
         loss, reach, elements = loss_of(law, spring), law.reach[-1], len(law.reach)
         return {"loss": float(loss), "reach": float(reach), "elements": elements}
-    raise InputError(f"a drive file has no words for {law!r}", law=law)
+    raise InputError(f"a drive file cannot express {law!r}", law=law)
 
 
 def is_smooth(law: MaxwellSlip) -> bool:
@@ -85,7 +85,7 @@ def _error_entry(error: Any) -> dict[str, Any] | None:
         return None
     if isinstance(error, KinematicError):
         return _waves_entry(error.harmonics)
-    raise InputError(f"a drive file has no words for {error!r}", error=error)
+    raise InputError(f"a drive file cannot express {error!r}", error=error)
 
 
 def _waves_entry(waves: Sequence[Harmonic]) -> dict[str, Any] | None:
@@ -104,7 +104,7 @@ def _motor_entry(motor: Motor) -> dict[str, Any]:
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
     """Its own mass only if the link does not include it: otherwise it has no meaning, and reading would refuse it."""
     if rotor.inertia == 0:
-        raise InputError(f"a drive file has no words for {rotor!r}; a rotor without inertia is none", rotor=rotor)
+        raise InputError(f"a drive file cannot express {rotor!r}; a rotor without inertia is no rotor", rotor=rotor)
     own = () if rotor.in_link_inertia else ("mass", "transverse", "position")
     entry = {"inertia": float(rotor.inertia), "in_link_inertia": bool(rotor.in_link_inertia)}
     entry |= {name: float(value) for name in own if (value := getattr(rotor, name))}

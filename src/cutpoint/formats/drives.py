@@ -54,7 +54,7 @@ def parse_drives(
     whole = Section("drive file", document, ((),))
     sheet = whole.read(FileSheet, document.value)
     if sheet.version != VERSION:
-        raise whole.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
+        raise whole.error(("version",), f"version {sheet.version:g} is unknown; this cutpoint reads version {VERSION}")
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives: dict[str, Drive] = {}
     doubts: dict[str, list[str]] = {}
@@ -150,7 +150,7 @@ def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
         raise section.error(("catalogue",), unknown_gear(name))
     if section.slides:
         raise section.error(
-            ("catalogue",), f"catalogue {name!r} turns and this joint slides; state the fields in N and m"
+            ("catalogue",), f"catalogue {name!r} is rotary but this joint slides; state the fields in N and m"
         )
     return {key: value for key, value in entry_of(name).items() if not (rigid and key in OF_A_SPRING)}
 
@@ -159,11 +159,11 @@ def _driven(name: str, joints: Mapping[str, Joint], mechanism: Mechanism, sectio
     """The joint of an entry.  Refused if no drive can move it."""
     joint = joints.get(name)
     if joint is None and name in mechanism.frames:
-        raise section.error((), "it is fixed (or a link), and a drive needs a joint that moves")
+        raise section.error((), "it is fixed (or a link), but a drive needs a joint that moves")
     if joint is None:
         raise section.error((), f"the robot has no such joint; {those_that_exist(name, joints)}")
     if joint.kind not in DRIVEN_KINDS:
         raise section.error((), f"it is {joint.kind}; a drive needs one of {', '.join(DRIVEN_KINDS)}")
     if joint.mimic and mechanism.coupled:
-        raise section.error((), f"it follows joint {joint.mimic.joint!r}; give the drive to that one")
+        raise section.error((), f"it follows joint {joint.mimic.joint!r}; give that joint the drive")
     return joint

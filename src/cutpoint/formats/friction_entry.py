@@ -22,9 +22,7 @@ def to_friction(sheet: FrictionLawSheet, side: str, section: Section) -> Frictio
         return sliding
     if sheet.coulomb == 0.0:
         path = ("friction", side, "presliding")
-        raise section.error(
-            path, f"{'.'.join(path)} needs dry friction that stays while it slides: a 'coulomb' above 0"
-        )
+        raise section.error(path, f"{'.'.join(path)} needs dry friction while sliding: a 'coulomb' above 0")
     own = sheet.presliding
     if own.law == "lugre":
         return LuGre(sliding, own.distance, own.damping)
@@ -38,7 +36,7 @@ def friction_entry(law: Friction | None) -> dict[str, Any] | None:
             return None
         case Stribeck(coulomb=coulomb, static=static) if static < coulomb:
             rule = f"static {static} must not be below coulomb {coulomb}"
-            raise InputError(f"a drive file has no words for friction that rises from rest: {rule}", law=law)
+            raise InputError(f"a drive file cannot express friction that rises from rest: {rule}", law=law)
         case Stribeck() | Coulomb():
             values = {name: value for name, value in vars(law).items() if value is not None and name != "grease"}
             grease = {"grease": {name: float(x) for name, x in vars(law.grease).items()}} if law.grease else {}
@@ -48,7 +46,7 @@ def friction_entry(law: Friction | None) -> dict[str, Any] | None:
         case ElastoPlastic(sliding, distance, damping, elastic):
             own = {"law": "elasto_plastic", "elastic": float(elastic)}
         case _:
-            raise InputError(f"a drive file has no words for {law!r}", law=law)
+            raise InputError(f"a drive file cannot express {law!r}", law=law)
     own |= {"distance": float(distance), "damping": float(damping)}
     return (friction_entry(sliding) or {}) | {"presliding": own}
 
@@ -65,7 +63,7 @@ def _sliding(sheet: FrictionLawSheet, path: tuple[str, ...], section: Section) -
         raise section.error(path, f"{'.'.join(path)} must state 'static' and 'stribeck_velocity' together")
     if sheet.static < sheet.coulomb:
         stated = section.stated(DriveSheet, (*path, "static"), sheet.static)
-        remedy = "; a catalogue's friction counts where the entry states none: state both"
+        remedy = "; the catalogue's friction applies where the entry states none: state both"
         told = f"{stated} must not be below coulomb {sheet.coulomb!r}"
         raise section.error((*path, "static"), told + (remedy if section.is_stated(("catalogue",)) else ""))
     return Stribeck(sheet.coulomb, sheet.static, sheet.viscous, sheet.stribeck_velocity, sheet.smoothing, **more)

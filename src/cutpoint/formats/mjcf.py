@@ -116,7 +116,7 @@ def _robot(
     if lost:
         warn(NotCarriedOver(lost, place))
     for words in remarks:
-        warn(f"MuJoCo says of {place}: {words}")
+        warn(f"MuJoCo says about {place}: {words}")
     return MjcfRobot(mechanism, drives)
 
 
@@ -212,6 +212,6 @@ def _limits(model: Any, j: int) -> Limits:
 def _placement(body: str, position: Array, quaternion: Array) -> Array:
     """(4, 4) of a position and a quaternion (w, x, y, z), which MuJoCo leaves zero where its length overflowed."""
     if not quaternion.any():
-        raise ModelError(f"body {body!r}: MuJoCo finds no direction in its quat; give one of length 1", body=body)
+        raise ModelError(f"body {body!r}: its quat gives MuJoCo no direction; use one of length 1", body=body)
     w, x, y, z = quaternion
     return pose(Rotation.from_quat([x, y, z, w]).as_matrix(), np.array(position))

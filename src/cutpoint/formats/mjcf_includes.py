@@ -34,7 +34,7 @@ class _Includes:
         while waiting:
             element, depth = waiting.pop()
             if depth > MAXIMUM_DEPTH:
-                complaint = f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the most that is read"
+                complaint = f"XML holds elements nested more than {MAXIMUM_DEPTH} deep, the limit"
                 raise self._wrong(element, complaint)
             element.children[:] = [each for child in element.children for each in self._instead_of(child)]
             waiting.extend((child, depth + 1) for child in reversed(element.children))
@@ -53,16 +53,16 @@ class _Includes:
             raise self._wrong(include, '<include> names no file; give it file="..."')
         if include.children:
             inner = include.children[0].tag
-            raise self._wrong(include, f"<include> stands for its file and must be empty, got <{inner}> in it")
+            raise self._wrong(include, f"<include> stands for its file and must be empty, but holds <{inner}>")
         try:
             path = file_within(self._folder, name, _SAVED)
         except ModelError as problem:
             raise self._wrong(include, f"<include> {problem}") from problem
         target = path.resolve()
         if target in self._read:
-            raise self._wrong(include, f"<include> {name!r}: the file is part of the model already; name it once")
+            raise self._wrong(include, f"<include> {name!r}: the file is already part of the model; include it once")
         if len(self._read) > MAXIMUM_FILES:
-            complaint = f"more than {MAXIMUM_FILES} files are included, the most that are read; {_SAVED}"
+            complaint = f"more than {MAXIMUM_FILES} files are included, the limit; {_SAVED}"
             raise self._wrong(include, complaint)
         self._read.add(target)
         try:
@@ -72,7 +72,7 @@ class _Includes:
         self._left -= len(content)
         root = parse_xml(content, str(path), file=str(path), at=include.at or include.line)
         if root.tag in ("robot", "sdf"):
-            rule = "is of another format, its root must be <mujocoinclude>"
+            rule = "is of another format: its root must be <mujocoinclude>"
             raise self._wrong(include, f"<include> {name!r} {rule}, got <{root.tag}>")
         return root
 

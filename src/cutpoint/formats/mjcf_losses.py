@@ -16,7 +16,7 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
     if colliding:
         found.append(f"contacts ({colliding} geoms)")
     if model.opt.density or model.opt.viscosity:
-        found.append("forces of the fluid")
+        found.append("fluid forces")
     named = names_of(model, "body")
     bodies = [named[b] for b in np.flatnonzero(model.body_gravcomp)]
     if bodies:
@@ -30,12 +30,12 @@ def _of_joints(model: Any) -> list[str]:
     by_dof = undriven[model.dof_jntid]
     lost = {
         "springs": (model.jnt_stiffness != 0.0) | _any(model, "jnt_stiffnesspoly"),
-        "damping that is not linear": _joints_of(model, _any(model, "dof_dampingpoly")),
+        "nonlinear damping": _joints_of(model, _any(model, "dof_dampingpoly")),
         "damping": _joints_of(model, by_dof & (model.dof_damping != 0.0)),
         "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
         "armature, in the mass matrix,": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
         "range": undriven & (model.jnt_limited != 0),
-        "actuatorfrcrange that is not alike to both sides (the lesser counts, 0 as none)": _uneven_efforts(model),
+        "asymmetric actuatorfrcrange (the smaller side counts, 0 as none)": _uneven_efforts(model),
     }
     names = names_of(model, "joint")
     named = {what: [names[j] for j in np.flatnonzero(which)] for what, which in lost.items()}

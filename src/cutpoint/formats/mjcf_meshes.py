@@ -14,7 +14,7 @@ MAXIMUM_BYTES = 256 * 2**20
 
 ENDINGS = (".stl", ".obj", ".msh")
 
-INERTIAL = "an <inertial>; MuJoCo writes one where its MjSpec.compiler.saveinertial is true"
+INERTIAL = "an <inertial>; MuJoCo writes one if MjSpec.compiler.saveinertial is true"
 
 
 class MeshFile(NamedTuple):
@@ -65,7 +65,7 @@ def read_meshes(meshes: Iterable[MeshElement], path: Path) -> dict[str, MeshFile
         try:
             content = _content(path.parent, file, left)
         except ModelError as problem:
-            complaint = f"mesh {name!r}, from which a body has its inertia: {problem}"
+            complaint = f"mesh {name!r}, which gives a body its inertia: {problem}"
             raise ModelError(complaint, place=element.where(str(path)), mesh=name, file=file) from problem
         contents[name] = MeshFile(f"{len(contents)}{PurePosixPath(file).suffix.lower()}", file, content)
         left -= len(content)
@@ -78,5 +78,5 @@ def _file_of(mesh: Element) -> str:
 
 def _content(folder: Path, file: str, limit: int) -> bytes:
     if not file.lower().endswith(ENDINGS):
-        raise ModelError(f"{file!r} is none of {', '.join(ENDINGS)}; give its bodies {INERTIAL}")
+        raise ModelError(f"{file!r} does not end in {', '.join(ENDINGS)}; give its bodies {INERTIAL}")
     return read_bytes(file_within(folder, file, f"give its bodies {INERTIAL}"), limit)

@@ -132,7 +132,7 @@ def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
             excerpt.pieces.append(item)
             continue
         if len(excerpt.pieces) > MAXIMUM_PIECES:
-            complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the most that is read"
+            complaint = f"MJCF holds more than {MAXIMUM_PIECES // 2:,} bodies, joints and geoms, the limit"
             raise ModelError(complaint, place=item.where(place))
         kept: list[Element] = []
         for child in item.children:
@@ -154,7 +154,7 @@ def _kept_attributes(element: Element, meshes: Mapping[str, MeshFile], place: st
     kept = {name: value for name, value in element.attributes.items() if name not in dropped}
     for name, value in kept.items():
         if NOT_A_NUMBER.search(value):
-            raise ModelError(f"<{element.tag}> {name} {value!r} must not hold nan", place=element.where(place))
+            raise ModelError(f"<{element.tag}> {name} {value!r} must not contain nan", place=element.where(place))
         if name in FINITE and INFINITE.search(value):
             raise ModelError(f"<{element.tag}> {name} {value!r} must be finite", place=element.where(place))
     if element.tag == "mesh" and (mesh := meshes.get(name_of(element))):
@@ -171,7 +171,7 @@ def _is_kept(child: Element, parent: Element, meshes: Mapping[str, MeshFile]) ->
 def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
     """Raises ModelError for a misspelled name of an element that would be kept."""
     if right := meant(child.tag, KEPT.get(parent.tag, ())):
-        complaint = f"<{parent.tag}> holds <{child.tag}>, which MJCF does not have; did you mean <{right}>?"
+        complaint = f"<{parent.tag}> holds <{child.tag}>, which is not MJCF; did you mean <{right}>?"
         raise ModelError(complaint, place=child.where(place), tag=child.tag)
 
 

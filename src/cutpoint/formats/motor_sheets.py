@@ -53,15 +53,15 @@ class MotorSheet(Sheet):
     )
     resistance: float | None = quantity("ohm", "ohm", "winding resistance that goes with torque_constant", None, gt=0)
     bandwidth: float | None = quantity(
-        "Hz", "Hz", "of the current loop; without one the torque follows at once", None, gt=0
+        "Hz", "Hz", "of the current loop; without one the torque follows instantly", None, gt=0
     )
     delay: float | None = quantity("s", "s", "from command to current loop, at most a control period", None, ge=0)
     current_limit: float | None = quantity("A", "A", "largest current", None, gt=0)
     voltage_limit: float | None = quantity(
-        "V", "V", "supply: it bounds torque the more the faster the motor turns", None, gt=0
+        "V", "V", "supply voltage: it limits torque more, the faster the motor turns", None, gt=0
     )
-    ripple: RippleSheet | None = Field(None, description="torque ripple, in proportion to the torque")
-    cogging: CoggingSheet | None = Field(None, description="torque without current, over the rotor's turn")
+    ripple: RippleSheet | None = Field(None, description="torque ripple, proportional to the torque")
+    cogging: CoggingSheet | None = Field(None, description="torque without current, over a turn of the rotor")
 
 
 class RatingsSheet(Sheet):

@@ -25,7 +25,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
     except OSError as problem:
         raise ModelError(f"file {str(path)!r} cannot be read: {problem.strerror}", path=path) from problem
     if len(content) > limit:
-        raise ModelError(f"file is larger than {limit:,} bytes, the most that is read", place=path)
+        raise ModelError(f"file is larger than {limit:,} bytes, the limit", place=path)
     if not content.strip():
         raise ModelError("file is empty", place=path)
     return content

@@ -68,14 +68,14 @@ class Element:
 
 
 REMEDIES = {
-    XML_ERROR_MISPLACED_XML_PI: "take out what stands before <?xml ...?>, blank lines and comments too",
-    XML_ERROR_UNBOUND_PREFIX: 'declare the prefix in the root element, xmlns:prefix="...", or take it out',
-    XML_ERROR_INVALID_TOKEN: "write & as &amp; and < as &lt;, no -- in comments, and save the file as UTF-8",
-    XML_ERROR_TAG_MISMATCH: "close each element before the one that holds it",
+    XML_ERROR_MISPLACED_XML_PI: "remove everything before <?xml ...?>, even blank lines and comments",
+    XML_ERROR_UNBOUND_PREFIX: 'declare the prefix in the root element, xmlns:prefix="...", or remove it',
+    XML_ERROR_INVALID_TOKEN: "write & as &amp; and < as &lt;, use no -- in comments, and save the file as UTF-8",
+    XML_ERROR_TAG_MISMATCH: "close each element before its parent",
     XML_ERROR_XML_DECL: 'write <?xml version="1.0"?>',
     XML_ERROR_UNDEFINED_ENTITY: "write the character itself",
-    XML_ERROR_DUPLICATE_ATTRIBUTE: "state it once",
-    XML_ERROR_JUNK_AFTER_DOC_ELEMENT: "take out what stands behind the root element",
+    XML_ERROR_DUPLICATE_ATTRIBUTE: "give it once",
+    XML_ERROR_JUNK_AFTER_DOC_ELEMENT: "remove everything after the root element",
 }
 """Remedies by expat's error."""
 
@@ -123,7 +123,7 @@ class _Builder:
         """The tree is kept in `root`."""
 
     def _too_much(self, what: str, element: Element) -> ModelError:
-        return ModelError(f"XML holds {what}, the most that is read", place=f"{self.place}:{element.line}")
+        return ModelError(f"XML holds {what}, the limit", place=f"{self.place}:{element.line}")
 
 
 def parse_xml(content: bytes | str, place: str, *, file: str = "", at: int = 0) -> Element:
@@ -146,7 +146,7 @@ def parse_xml(content: bytes | str, place: str, *, file: str = "", at: int = 0) 
     except DefusedXmlException as problem:
         what = "a document type (<!DOCTYPE>)" if isinstance(problem, DTDForbidden) else "entities"
         line = builder.expat.CurrentLineNumber
-        complaint = f"XML with {what} is not read, for safety; take it out"
+        complaint = f"XML with {what} is not read, for safety; remove it"
         raise ModelError(complaint, place=f"{place}:{line}", line=line) from problem
     except (ValueError, LookupError) as problem:
         if isinstance(problem, ModelError):

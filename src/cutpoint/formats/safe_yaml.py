@@ -53,7 +53,7 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = content.count(b"\n", 0, problem.start) + 1
-        raise ModelError("YAML must be UTF-8 text; save the file as that", place=f"{file}:{line}") from problem
+        raise ModelError("YAML must be UTF-8 text; save the file as UTF-8", place=f"{file}:{line}") from problem
     try:
         loader = yaml.SafeLoader(text)
     except yaml.reader.ReaderError as problem:
@@ -68,10 +68,10 @@ def parse_yaml(content: bytes, file: str) -> YamlDocument:
         mark = problem.problem_mark or problem.context_mark
         place = f"{file}:{mark.line + 1}" if mark else file
         told = f"{problem.problem or problem.context}"
-        spaces = "; lines are indented by spaces" if r"'\t'" in told else ""
+        spaces = "; indent lines with spaces" if r"'\t'" in told else ""
         raise ModelError(f"YAML cannot be read: {told}{spaces}", place=place) from problem
     except (ValueError, OverflowError) as problem:
-        complaint = "YAML cannot be read: the number of a character (\\U), or of the version, is too large"
+        complaint = "YAML cannot be read: the number of a character (\\U) or of the version is too large"
         raise ModelError(complaint, place=f"{file}:{loader.line + 1}") from problem
 
 
@@ -111,7 +111,7 @@ class _Composer:
         while not isinstance(key := next(self.events), yaml.MappingEndEvent):
             self.check(key, path)
             if not isinstance(key, yaml.ScalarEvent):
-                self.refuse(key, "a key must be a plain text")
+                self.refuse(key, "a key must be plain text")
             if key.value in found:
                 self.refuse(key, f"key {key.value!r} is given twice")
             place = (*path, key.value)
@@ -138,13 +138,13 @@ class _Composer:
     def check(self, event: Any, path: YamlPath) -> None:
         self.count += 1
         if self.count > MAXIMUM_VALUES:
-            self.refuse(event, f"YAML holds more than {MAXIMUM_VALUES:,} values, the most that is read")
+            self.refuse(event, f"YAML holds more than {MAXIMUM_VALUES:,} values, the limit")
         if len(path) > MAXIMUM_DEPTH:
-            self.refuse(event, f"YAML is nested more than {MAXIMUM_DEPTH} deep, the most that is read")
+            self.refuse(event, f"YAML is nested more than {MAXIMUM_DEPTH} deep, the limit")
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
             self.refuse(event, "YAML anchors and aliases (&, *) are not read, for safety; write the value out")
         if event.tag is not None:
-            self.refuse(event, f"YAML tags ({event.tag!r}) are not read, for safety; take the tag out")
+            self.refuse(event, f"YAML tags ({event.tag!r}) are not read, for safety; remove the tag")
 
     def refuse(self, event: Any, complaint: str) -> NoReturn:
         raise ModelError(complaint, place=f"{self.file}:{event.start_mark.line + 1}")

@@ -59,7 +59,7 @@ class HysteresisSheet(Sheet):
         "rad", "m", "width of the torque-deflection loop at zero torque: the catalogue's hysteresis loss", gt=0
     )
     reach: float | None = quantity(
-        "rad", "m", "deflection after a turning point over which it opens; `loss` if not stated", None, gt=0
+        "rad", "m", "deflection after a reversal over which the loop opens; `loss` if not stated", None, gt=0
     )
     elements: float = quantity(
         "1", "1", "number of elements, each a state of the simulation", 4.0, ge=1, le=MOST_ELEMENTS

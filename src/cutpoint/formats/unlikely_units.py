@@ -40,20 +40,20 @@ SOFTEST_SLIDE = 1e3
 LATEST = 0.05
 """s, delay of commands to a motor's current loop."""
 
-RPM, ARCMIN = "turns a minute, of which one is 0.1047 rad/s", "arc minutes, of which one is 2.909e-4 rad"
+RPM, ARCMIN = "rpm (1 rpm = 0.1047 rad/s)", "arc minutes (1 arcmin = 2.909e-4 rad)"
 
 LARGEST: dict[YamlPath, tuple[float, str]] = {
     **{("ratings", f"{speed}_speed"): (FASTEST, RPM) for speed in ("rated", "average", "maximum")},
     ("backlash",): (WIDEST, ARCMIN),
     ("hysteresis", "loss"): (WIDEST, ARCMIN),
     ("hysteresis", "reach"): (WIDEST, ARCMIN),
-    ("motor", "delay"): (LATEST, "ms, of which one is 1e-3 s"),
+    ("motor", "delay"): (LATEST, "ms (1 ms = 1e-3 s)"),
 }
 """For drives of revolute joints: the limit beyond which a number is doubted, and what it looks like."""
 
 BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
-    ("rotor", "inertia"): (HEAVIEST, "kg cm2, of which one is 1e-4 kg m2, or like the inertia at the joint"),
-    ("motor", "torque_constant"): (STRONGEST, "mN m/A, of which one is 1e-3 N m/A, or like what the joint gets"),
+    ("rotor", "inertia"): (HEAVIEST, "kg cm2 (1 kg cm2 = 1e-4 kg m2), or like the inertia at the joint"),
+    ("motor", "torque_constant"): (STRONGEST, "mN m/A (1 mN m/A = 1e-3 N m/A), or like the constant at the joint"),
 }
 
 
@@ -66,31 +66,31 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
             yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
     if sheet.ratio is not None and abs(ratio) < LEAST_RATIO:
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
-        remedy = "state the motor's for one of the joint"
-        yield f"{stated} looks like turns of the joint for one of the motor: {remedy}", ("ratio",)
+        remedy = "state motor turns per joint turn"
+        yield f"{stated} looks like joint turns per motor turn: {remedy}", ("ratio",)
     spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
     if spring and geared and spring.stiffness < SOFTEST:
         path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")
-        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like 10^4 N m/rad", path
+        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like a number in 10^4 N m/rad", path
     curve = sheet.compliance.catalogue if sheet.compliance else None
     if curve and curve.t1 > WIDEST * curve.k1:
         path = ("compliance", "catalogue", "k1")
         stated, wound = section.stated(DriveSheet, path, curve.k1), f"{curve.t1 / curve.k1:.3g} rad at t1"
-        yield f"{stated} is wound by {wound}: it looks like 10^4 N m/rad", path
+        yield f"{stated} is wound up by {wound}: it looks like a number in 10^4 N m/rad", path
     speed = sheet.limits.velocity if sheet.limits else None
     if speed is not None and geared and speed * abs(ratio) > 2.0 * FASTEST:
         path = ("limits", "velocity")
         stated, turns = section.stated(DriveSheet, path, speed), speed * abs(ratio) * 30.0 / math.pi
-        likeness = "it looks like degrees a second, or like the motor's own speed"
-        yield f"{stated} turns the motor {turns:.3g} times a minute: {likeness}", path
+        likeness = "it looks like degrees per second, or like the motor's own speed"
+        yield f"{stated} turns the motor at {turns:.3g} rpm: {likeness}", path
 
 
 def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
     """The same for a prismatic joint."""
     if sheet.ratio is not None and abs(ratio) != 1.0 and not FROM_RATIO <= abs(ratio) <= TO_RATIO:
-        lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m for a turn"
+        lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m per turn"
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
-        yield f"{stated} is {lead}: it looks like another unit than 2 pi / lead, the lead in m", ("ratio",)
+        yield f"{stated} is {lead}: its unit looks different from 2 pi / lead with the lead in m", ("ratio",)
     spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
     if spring and spring.stiffness < SOFTEST_SLIDE:
         path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")

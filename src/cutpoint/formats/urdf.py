@@ -119,7 +119,7 @@ def parse_urdf(
     names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
     if lost := _lost_rotors(robot, moving):
-        told = f"inertia of rotors of joints {listed(lost)}: state rotor and ratio in a drive file"
+        told = f"rotor inertia of joints {listed(lost)}: state rotor and ratio in a drive file"
         warn(NotCarriedOver([told], place))
     return mechanism
 
@@ -152,7 +152,7 @@ def _check_is_urdf(robot: Element, place: str) -> None:
             raise ModelError("this file has xacro elements; give it the ending .xacro", place=f"{place}:{child.line}")
         dialect, _, tag = child.tag.removeprefix("{").rpartition("}")
         if dialect and tag in ("link", "joint"):
-            told = f"<{tag}> of the dialect {dialect!r} is not read, and the tree lacks it: state it as URDF's own"
+            told = f"<{tag}> of the dialect {dialect!r} is not read, and the tree lacks it: state it in plain URDF"
             raise ModelError(told, place=f"{place}:{child.line}", tag=child.tag)
 
 
@@ -161,13 +161,13 @@ def _check_names(element: Element, place: str) -> None:
     parts = PARTS.get(element.tag, ())
     for child in element.children:
         if right := meant(child.tag, parts):
-            complaint = f"<{element.tag}> holds <{child.tag}>, which URDF does not have; did you mean <{right}>?"
+            complaint = f"<{element.tag}> holds <{child.tag}>, which is not URDF; did you mean <{right}>?"
             raise ModelError(complaint, place=f"{place}:{child.line}", tag=child.tag)
         if child.tag in parts:
             _check_names(child, place)
     for name in element.attributes:
         if right := meant(name, ATTRIBUTES.get(element.tag, ())):
-            complaint = f"<{element.tag}> has the attribute {name!r}, which URDF does not have; did you mean {right!r}?"
+            complaint = f"<{element.tag}> has the attribute {name!r}, which is not URDF; did you mean {right!r}?"
             raise ModelError(complaint, place=f"{place}:{element.line}", attribute=name)
 
 
@@ -229,7 +229,7 @@ def _kind(reader: Reader) -> JointKind:
     for known in KINDS:
         if kind == known:
             return known
-    raise reader.error(f"type {kind!r} is not supported; those that are: {listed(KINDS)}")
+    raise reader.error(f"type {kind!r} is not supported; supported types: {listed(KINDS)}")
 
 
 def _limits(reader: Reader, kind: JointKind) -> Limits:
@@ -248,9 +248,9 @@ def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place:
     mimics = [joint.name for joint in joints if joint.mimic]
     if mimics and not coupled:
         option = "mimic='coupled' (--mimic coupled) ties them"
-        text = f"mimic joints {listed(mimics)} are read as coordinates of their own; {option}"
+        text = f"mimic joints {listed(mimics)} are read as independent coordinates; {option}"
         lost = [joint.name for joint in joints if joint.mimic and joint.mimic.joint not in names]
-        more = f", but the file has no movable leader of {listed(lost)}" if lost else ""
+        more = f", but the file has no movable leader for {listed(lost)}" if lost else ""
         warn(f"{text}{more} ({place})", MimicWarning)
     warn_of_degrees(joints, "URDF angles are radians", place)
 

@@ -29,7 +29,7 @@ class Reader:
         """The one child of that tag, if there is one."""
         found = list(self.element.all(tag))
         if len(found) > 1:
-            raise Reader(found[1], self.thing, self.file).error(f"has {len(found)} <{tag}>; one at most is allowed")
+            raise Reader(found[1], self.thing, self.file).error(f"has {len(found)} <{tag}>; at most one is allowed")
         return Reader(found[0], self.thing, self.file) if found else None
 
     def needed(self, tag: str) -> "Reader":

@@ -46,9 +46,9 @@ def updated_urdf(
             edits |= dict([_edit(content, places[new.name], new)])
             edits |= {span: MOVED for name in fixed if (span := places[name].inertial)}
             if fixed:
-                notes.append(f"link {new.name!r} now holds mass and inertia of {', '.join(fixed)} too, fixed to it")
+                notes.append(f"link {new.name!r} now includes mass and inertia of {', '.join(fixed)}, fixed to it")
             if locked := _locked(before, index, root):
-                notes.append(f"load it with {', '.join(locked)} locked as now: what these move has no mass left")
+                notes.append(f"load it with {', '.join(locked)} locked as now: the links they move have no mass left")
     return _edited(content, edits), tuple(notes)
 
 

@@ -25,7 +25,7 @@ def expand(path: Path) -> str:
     except Exception as problem:  # expressions in the file may raise anything
         told, remedy, urdf = " ".join(str(problem).split()), "", f"{path.name.split('.')[0]}.urdf"
         if "ament_index_python" in told:
-            remedy = f"; $(find ...) asks ROS: expand it where that is, xacro {path.name} > {urdf}, and give that file"
+            remedy = f"; $(find ...) needs ROS: expand it where ROS is, xacro {path.name} > {urdf}, and give that file"
         if "Undefined substitution argument" in told:
-            remedy = f"; state its arguments, xacro {path.name} NAME:=VALUE > {urdf}, and give that file"
+            remedy = f"; set its arguments, xacro {path.name} NAME:=VALUE > {urdf}, and give that file"
         raise ModelError(f"xacro cannot expand this file: {told}{remedy}", place=path) from problem

@@ -88,7 +88,7 @@ def _mended(bodies: Sequence[Body], places: Places) -> tuple[Body, ...]:
     if added:
         told = ", ".join(f"{name!r} by {more:.4g}" for name, more in added.items())
         file = f" ({places.file})" if places.file else ""
-        warn(f"inertias that no mass can have are larger here, kg m2 about every axis: {told}{file}", MendedWarning)
+        warn(f"physically impossible inertias are increased, kg m2 about every axis: {told}{file}", MendedWarning)
     return tuple(mended(body) if body.name in added else body for body in bodies)
 
 

@@ -35,7 +35,7 @@ class Rule:
             if self.number and not is_number(x):
                 return f"{field} must be a number, got {x!r}"
             if self.number and not (self.infinite or math.isfinite(x)):
-                return f"its drive holds {x} as {field}, every number must be finite"
+                return f"its drive has {x} as {field}; every number must be finite"
             if not self.holds(x):
                 return f"{field} {x if self.number else repr(x)} {self.words}"
         return None
@@ -53,7 +53,7 @@ NOT_NEGATIVE = Rule("must not be negative", lambda x: x >= 0)
 WHOLE = Rule("must be a whole number above 0", lambda x: x >= 1 and x == int(x))
 SHARE = Rule("must be at least 0 and below 1", lambda x: 0 <= x < 1)
 LEANING = Rule("must be between -1 and 1", lambda x: -1 < x < 1)
-RATIO = Rule("must be between 1e-12 and 1e12 in size, as in any machine", lambda x: 1e-12 <= abs(x) <= 1e12)
+RATIO = Rule("must be between 1e-12 and 1e12 in magnitude, as in any machine", lambda x: 1e-12 <= abs(x) <= 1e12)
 INERTIA = Rule("must not be negative, and at most 1e12 kg m2, as in any machine", lambda x: 0 <= x <= 1e12)
 CELSIUS = Rule("must be above -273.15 and at most 200 deg C, not in kelvin", lambda x: -273.15 < x <= 200)
 THINNING = Rule("must not be negative, and at most 0.3 1/K", lambda x: 0 <= x <= 0.3)

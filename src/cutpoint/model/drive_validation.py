@@ -69,7 +69,7 @@ def _of_kinds(drive: Drive) -> Iterator[Complaint]:
     if drive.is_elastic and not (is_number(inertia) and inertia > 0):
         yield Complaint("rotor", "an elastic drive needs a rotor with a positive inertia, kg m2")
     if any(np.isnan(bound) for bound in leaves(drive.limits)):
-        yield Complaint("limits", f"limits {drive.limits} hold nan; infinite is no limit")
+        yield Complaint("limits", f"limits {drive.limits} contain nan; use infinity for no limit")
 
 
 def _lacks(kind: type, part: Any) -> str:
@@ -97,7 +97,7 @@ def _of_numbers(record: Any, rules: dict[str, Rule], part: str) -> Iterator[Comp
         elif is_dataclass(value):
             yield from _of_numbers(value, table, within)
         elif not all(np.isfinite(number) for number in leaves(value)):
-            yield Complaint(within, f"its drive holds {value} as {name}, every number must be finite{at}")
+            yield Complaint(within, f"its drive has {value} as {name}; every number must be finite{at}")
     for low, high in RISING:
         if high in rules and hasattr(record, high) and getattr(record, low) >= getattr(record, high):
             yield Complaint(f"{part}.{high}", f"must be above {low} {getattr(record, low)}", getattr(record, high))
@@ -128,12 +128,12 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
         yield Complaint("compliance.wave_generator.ratio", words)
     if drive.hysteresis and len(drive.hysteresis.stiffness) != len(drive.hysteresis.reach):
         counts = f"{len(drive.hysteresis.stiffness)} stiffness and {len(drive.hysteresis.reach)} reach"
-        yield Complaint("hysteresis", f"hysteresis must state both of each element, got {counts}")
+        yield Complaint("hysteresis", f"hysteresis must state both for each element, got {counts}")
     if getattr(drive.kinematic_error, "harmonics", None) == ():
-        yield Complaint("kinematic_error", "kinematic_error must have a harmonic; None is no error")
+        yield Complaint("kinematic_error", "kinematic_error must have a harmonic; use None for no error")
     if drive.kinematic_error and (steepest := drive.kinematic_error.steepest(drive.ratio)) > STEEPEST:
         rule = f"must not exceed {STEEPEST}: at 1 the drive would run backwards"
-        words = f"kinematic error is too large: order * ratio * amplitude, in all {steepest:g}, {rule}"
+        words = f"kinematic error is too large: order * ratio * amplitude, in total {steepest:g}, {rule}"
         yield Complaint("kinematic_error", words)
 
 
@@ -141,12 +141,12 @@ def _of_motors(drive: Drive) -> Iterator[Complaint]:
     """A rotor is a possible body; a motor's voltage limit comes with its resistance, and ripple is below 1."""
     rotor, motor = drive.rotor, drive.motor
     if rotor and not rotor.in_link_inertia and 0 < 2 * rotor.transverse < rotor.inertia:
-        rule = f"must be at least half of inertia {rotor.inertia}, as of any body that is round about its axis"
+        rule = f"must be at least half of inertia {rotor.inertia}, as for any body that is round about its axis"
         yield Complaint("rotor.transverse", rule, rotor.transverse)
     if motor and motor.voltage_limit is not None and motor.resistance is None:
-        yield Complaint("motor.voltage_limit", "needs the resistance, ohm, beside it", motor.voltage_limit)
+        yield Complaint("motor.voltage_limit", "needs the resistance, ohm, as well", motor.voltage_limit)
     if motor and (ripple := sum(wave.amplitude for wave in motor.ripple)) >= 1:
-        words = f"torque ripple, {ripple:g} in the sum of its waves, must stay below 1, in motor"
+        words = f"torque ripple, {ripple:g} summed over its waves, must stay below 1, in motor"
         yield Complaint("motor.ripple", words)
 
 
@@ -159,15 +159,15 @@ def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     if coulomb is not None and static is not None and static < coulomb:
         yield Complaint(f"{side}.static", f"must not be below coulomb {coulomb}", static)
     if per_load is not None and side == "link_friction":
-        words = "link friction grows with load; per_load is for motor_friction, where the gear's teeth are"
+        words = "link friction cannot grow with load; per_load is for motor_friction, where the gear's teeth are"
         yield Complaint(side, words)
     if per_load is not None and sliding is not law and not elastic:
-        rule = "presliding friction that grows with load needs an elastic drive, whose spring tells the load"
+        rule = "presliding friction that grows with load needs an elastic drive, whose spring measures the load"
         yield Complaint(side, f"{rule}; give it a compliance")
     share = (per_load or 0) * (1 + abs(asymmetry or 0))
     if share >= 1:
         rule = f"makes friction's share of the load {share:g}: it must stay below 1, or no load could be moved"
         yield Complaint(f"{side}.per_load", rule, per_load)
     if sliding is not law and coulomb is not None and coulomb <= 0:
-        rule = "must be above 0 with presliding: where nothing dry resists sliding, bristles hold nothing"
+        rule = "must be above 0 with presliding: without dry friction, bristles hold nothing"
         yield Complaint(f"{side}.coulomb", rule, coulomb)

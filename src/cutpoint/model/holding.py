@@ -89,8 +89,8 @@ class _Holder:
             raise self.places.error(thing, complaint)
         kind = self.by_name[step.joint].kind
         if kind not in ONE_COORDINATE:
-            leaders = f"a leader is one of {', '.join(ONE_COORDINATE)}"
-            remedy = ", which can be locked, or load with independent mimics" if kind == "fixed" else ""
+            leaders = f"a leader must be one of {', '.join(ONE_COORDINATE)}"
+            remedy = ", which can be locked; or load with independent mimics" if kind == "fixed" else ""
             complaint = f"mimics joint {step.joint!r}, which is {kind}; {leaders}{remedy}"
             raise self.places.error(thing, complaint)
 

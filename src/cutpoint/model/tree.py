@@ -14,7 +14,7 @@ def depth_first(links: Sequence[Link], joints: Sequence[Joint], places: Places) 
     Raises ModelError: no links, a name twice, an unknown link, a link with two parents, a loop, not exactly one root.
     """
     if not links:
-        remedy = "a file that only defines macros wants the one that calls them"
+        remedy = "if the file only defines macros, give the one that calls them"
         raise ModelError(f"the robot has no links; {remedy}", place=places.of(""))
     _check_unique("link", [link.name for link in links], places)
     _check_unique("joint", [joint.name for joint in joints], places)

@@ -104,7 +104,7 @@ def _check_own_numbers(joint: Joint, places: Places) -> None:
             raise places.error(thing, complaint, joint=joint.name)
     if joint.mimic and joint.kind not in (*ONE_COORDINATE, "fixed"):
         kinds = ", ".join(ONE_COORDINATE)
-        complaint = f"mimics joint {joint.mimic.joint!r}, but is {joint.kind}; a follower is one of {kinds}"
+        complaint = f"mimics joint {joint.mimic.joint!r}, but is {joint.kind}; a follower must be one of {kinds}"
         raise places.error(thing, complaint, joint=joint.name)
 
 
@@ -124,12 +124,12 @@ def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Pl
             raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
     if limits.lower > limits.upper:
         found = f"lower limit {limits.lower!r} must not exceed upper limit {limits.upper!r} {unit['position']}"
-        complaint = f"{found}; leave both out where there is no limit"
+        complaint = f"{found}; leave both out for no limit"
         raise places.error(thing, complaint, limits=limits)
     for what in ("velocity", "effort"):
         bound = getattr(limits, what)
         if bound < 0.0:
-            rule = "must not be negative; leave it out, or state inf, where there is no limit"
+            rule = "must not be negative; leave it out or state inf for no limit"
             raise places.error(thing, f"{what} limit {bound!r} {unit[what]} {rule}", limits=limits)
 
 
@@ -185,9 +185,9 @@ def fault_of(body: Body) -> Fault | None:
     moments = f"principal moments of inertia {small:.6g}, {middle:.6g}, {large:.6g} kg m2"
     if body.mass == 0.0 and np.any(body.inertia):
         rule = "without mass (0 kg) there is no inertia"
-        return Fault(moments, rule, "state the mass, or leave <inertial> out")
+        return Fault(moments, rule, "state the mass or leave out <inertial>")
     beyond = large - small - middle
-    remedy = f"check <inertia> and its <origin>; ixx, iyy and izz larger by {lacking(body):.4g} would do"
+    remedy = f"check <inertia> and its <origin>; increasing ixx, iyy and izz by {lacking(body):.4g} would do"
     if small < -tolerance:
         return Fault(moments, "none must be negative", remedy)
     if beyond > tolerance:
@@ -222,6 +222,6 @@ def check_size(thing: str, what: str, value: float | Array, places: Places) -> N
     """Raises ModelError for numbers beyond LARGEST_NUMBER."""
     largest = float(np.max(np.abs(value)))
     if largest > LARGEST_NUMBER:
-        most = f"must not exceed {LARGEST_NUMBER:g} in SI units, as in no machine"
+        most = f"must not exceed {LARGEST_NUMBER:g} in SI units, beyond any machine"
         rule = f"{what} {most}, got {largest:g}; check its unit"
         raise places.error(thing, rule, what=what, value=value)
