@@ -99,7 +99,7 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
         (lambda: cycloid(end=[1.0], duration=10**400), r"duration must be within 1e\+15, got 1000"),
         (
             lambda: aligned(recording(), 1e-3),
-            r"aligned: delays must be a delay, s, for each of some joints, by name, got",
+            r"aligned: delays must be a mapping of joint names to delays, s, got",
         ),
         (lambda: aligned(recording(), {}, "q"), r"aligned: channels must be names of channels, got 'q'"),
         (lambda: recording()[["q"]], r"no recorded channel is named \['q'\]; there are: 'q', 'theta'"),
@@ -132,11 +132,11 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
         (lambda: clock_skew(Q[:, 0], Q, None), r"clock_skew: period must be one number, s, got None"),
         (lambda: low_pass(Q, np.nan, 20.0), r"low_pass: period nan s must be positive and finite"),
         (lambda: low_pass(None, 1e-3, 20.0), r"low_pass: values must be numbers, got None"),
-        (lambda: low_pass([], 1e-3, 20.0), r"low_pass: values have shape \(0,\), they must be \(N, \.\.\.\)"),
-        (lambda: derivative(1.0, 1e-3), r"derivative: values have shape \(\), they must be \(N, \.\.\.\)"),
+        (lambda: low_pass([], 1e-3, 20.0), r"low_pass: values have shape \(0,\): they must be \(N, \.\.\.\)"),
+        (lambda: derivative(1.0, 1e-3), r"derivative: values have shape \(\): they must be \(N, \.\.\.\)"),
         (lambda: derivative(Q, 1e-3, 3), r"derivative: order 3 must be 1 or 2"),
         (lambda: noise_cutoff(Q, "1 ms"), r"noise_cutoff: period must be one number, s, got '1 ms'"),
-        (lambda: parse_mapping(None), r"parse_mapping: content must be a text, or a dict of its fields, got None"),
+        (lambda: parse_mapping(None), r"parse_mapping: content must be text, or a dict of its fields, got None"),
         (
             lambda: Recording(TIME, "joint1", q=Q),
             r"Recording: joints must be names, such as robot.joints, got 'joint1'",

@@ -106,7 +106,7 @@ def test_alignment_brings_link_encoders_to_the_motors_clock_and_says_so():
     assert np.allclose(found["v"][known, 1], positions(T, 1)[known, 1], rtol=0.0, atol=1e-5)
     assert np.array_equal(found["theta"], positions(T))
     assert not found["q"][:, 0].any()
-    assert found.notes == ("q, v moved to earlier times: elbow by 3.100 +- 0.000 ms",)
+    assert found.notes == ("q, v moved earlier: elbow by 3.100 +- 0.000 ms",)
     assert abs(skews(found)["elbow"].delay) < 1e-7
 
 
@@ -172,11 +172,15 @@ def test_a_delay_that_is_known_is_taken_as_it_is():
 @pytest.mark.parametrize(
     ("x", "y", "message"),
     [
-        (T[:90], T[:90], r"0 common samples are too few to see a delay: at least 100 are needed"),
-        (T, np.ones(T.size), r"a channel does not move: it shows no delay"),
-        (np.ones(T.size), T, r"a channel does not move: it shows no delay"),
+        (T[:90], T[:90], r"0 common samples are too few to find a delay: at least 100 are needed"),
+        (T, np.ones(T.size), r"a channel never changes: it shows no delay"),
+        (np.ones(T.size), T, r"a channel never changes: it shows no delay"),
         (T, T[:-1], r"channels of shapes \(4000,\) and \(3999,\) must be \(N,\) and \(N,\) or \(N, joints\)"),
-        (positions(T - 0.08)[:, 0], positions(T)[:, 0], r"no delay up to 0.05 s fits best: are both of one motion\?"),
+        (
+            positions(T - 0.08)[:, 0],
+            positions(T)[:, 0],
+            r"no delay up to 0.05 s fits best: are both channels of the same motion\?",
+        ),
     ],
 )
 def test_what_shows_no_delay_is_refused(x: np.ndarray, y: np.ndarray, message: str):

@@ -396,7 +396,7 @@ class OwnFriction:
         ({"level": 95.0}, r"level 95.0 must lie between 0 and 1, as 0.95"),
         ({"friction": "viscous"}, r"friction 'viscous' must be 'choose', 'stated', or laws by joint"),
         ({"friction": {"elbow": Coulomb(1.0, 0.0, 0.1)}}, r"no driven joint is named 'elbow'"),
-        ({"bandwidth": 600.0}, r"bandwidth 600.0 Hz must lie between 0 and half of the sampling rate, 500 Hz"),
+        ({"bandwidth": 600.0}, r"bandwidth 600.0 Hz must lie between 0 and 500 Hz, half the sampling rate"),
         ({"torque_constants": {"joint0": 1.0}}, r"the recording holds no current; there are: q, torque"),
     ],
 )
@@ -410,7 +410,9 @@ def test_friction_of_a_law_of_ones_own_is_refused():
     arm = known_arm(0, 2)
     own: Any = OwnFriction()
     file = arm.file.with_drives({"joint1": replace(arm.file.drives["joint1"], link_friction=own)})
-    with pytest.raises(InputError, match=r"friction of 'joint1' is OwnFriction, whose numbers cannot be sought: state"):
+    with pytest.raises(
+        InputError, match=r"friction of 'joint1' is OwnFriction, whose parameters cannot be identified: state"
+    ):
         identify_rigid(file, recorded(arm.robot, 0))
 
 

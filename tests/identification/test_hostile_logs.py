@@ -87,7 +87,7 @@ def test_two_arrays_of_one_name_are_refused(tmp_path: Path):
             np.lib.format.write_array(packed, times(50))
             with warnings.catch_warnings(action="ignore"):
                 archive.writestr("q.npy", packed.getvalue())
-    with pytest.raises(InputError, match=r"that can be read: it holds two arrays of one name"):
+    with pytest.raises(InputError, match=r"readable archive of NumPy arrays: it holds two arrays of the same name"):
         read_table(tmp_path / "log.npz")
 
 
@@ -135,7 +135,7 @@ def damaged_npz(path: Path, damage: str) -> None:
 @pytest.mark.parametrize("damage", ["checksum", "encrypted", "packing", "LZMA", "member", "directory", "offset"])
 def test_a_damaged_or_encrypted_archive_is_refused(tmp_path: Path, damage: str):
     damaged_npz(tmp_path / "log.npz", damage)
-    with pytest.raises(InputError, match=r"file is not an archive of NumPy arrays that can be read: .*; copy it anew"):
+    with pytest.raises(InputError, match=r"file is not a readable archive of NumPy arrays: .*; copy it again"):
         read_table(tmp_path / "log.npz")
 
 
@@ -165,15 +165,15 @@ def test_a_matlab_file_of_cells_in_cells_is_refused_before_they_are_read(tmp_pat
         read_table(tmp_path / "log.mat")
     nested_mat(tmp_path / "log.mat", 1000, size)
     for name in ("log.mat", "log.packed.mat"):
-        with pytest.raises(InputError, match=r"its arrays nest deeper than 100, .*; save the matrices of numbers"):
+        with pytest.raises(InputError, match=r"its arrays nest deeper than 100, .*; save only the matrices of numbers"):
             read_table(tmp_path / name)
 
 
 @pytest.mark.parametrize(
     ("shape", "rest", "message"),
     [
-        (bytes([255]) * 160_000, b"", r"an array of it has more than 32 dimensions"),
-        (b"\xff\xff\xff\x7f" * 2, element(9, b"") * 2000, r"or have more than 1,000 elements; save the matrices"),
+        (bytes([255]) * 160_000, b"", r"one of its arrays has more than 32 dimensions"),
+        (b"\xff\xff\xff\x7f" * 2, element(9, b"") * 2000, r"or have more than 1,000 elements; save only the matrices"),
     ],
 )
 def test_a_matlab_file_that_would_take_long_to_count_is_refused(
@@ -216,7 +216,7 @@ def test_texts_in_a_parquet_file_are_not_unpacked(tmp_path: Path, monkeypatch: p
     )
     table = read_table(tmp_path / "log.parquet")
     assert asked == [["q"]]
-    assert table.left_out == {"word": "no numbers, but string", "s.word": "no numbers, but string"}
+    assert table.left_out == {"word": "string, not numbers", "s.word": "string, not numbers"}
 
 
 def test_a_file_that_unpacks_to_too_much_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -238,7 +238,7 @@ def test_a_matlab_file_whose_element_never_ends_is_refused(tmp_path: Path):
     element = zlib.compress(b"\x0e\x00\x00\x00" + b"\xff" * 1000)
     tag = (15).to_bytes(4, "little") + (2**32 - 1).to_bytes(4, "little")
     (tmp_path / "log.mat").write_bytes(start + tag + element)
-    with pytest.raises(InputError, match=r"file is not a MATLAB file that can be read"):
+    with pytest.raises(InputError, match=r"file is not a readable MATLAB file"):
         read_table(tmp_path / "log.mat")
 
 
@@ -268,9 +268,9 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
         ),
         ("sep=\r\nt,q\r\n0,1\r\n", r"the line below the names holds 't,q': .* \(.*log.csv:2\)"),
         ("t,q\n\x1bc,m\n0,1\n", r"the line below the names holds '\\x1bc, m': .* '\\x1bc' is neither"),
-        ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"1 cells must be 2, as in the line of names \(.*log.csv:5\)"),
-        ("t,q\n0,1\n1,2,3\n", r"3 cells must be 2, as in the line of names \(.*log.csv:3\)"),
-        ("t,q,q\n0,1,2\n", r"column 'q' is named twice: each must have a name of its own \(.*log.csv:1\)"),
+        ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"line has 1 cells: it must have 2, as the line of names \(.*log.csv:5\)"),
+        ("t,q\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the line of names \(.*log.csv:3\)"),
+        ("t,q,q\n0,1,2\n", r"column 'q' occurs twice: each name must be unique \(.*log.csv:1\)"),
         (
             "t,q\ns,furlong\n0,1\n1,2\n",
             r"below the names holds 's, furlong': .* 'furlong' is neither; .*\(.*log.csv:2\)",
@@ -301,7 +301,7 @@ def test_a_long_title_is_a_name_that_says_nothing(tmp_path: Path):
     table = read_table(tmp_path / "log.csv")
     assert list(table.channels) == ["t", *titles]
     assert table.find("y" + "[rad]" * 3000) is None
-    with pytest.raises(InputError, match=r"no channel is named like a position; give a mapping"):
+    with pytest.raises(InputError, match=r"no channel has a name that means position; give a mapping"):
         read_recording(tmp_path / "log.csv")
 
 

@@ -36,9 +36,9 @@ def gaps(x: Array) -> Array:
         (lambda: elbow("q", lambda x: np.full_like(x, 0.3)), "q of elbow never changes: was it measured?"),
         (
             lambda: elbow("torque", lambda x: np.clip(x, -9.0, 9.0)),
-            "torque of elbow stays at its extreme: was it cut off?",
+            "torque of elbow stays at its extreme: was it clipped?",
         ),
-        (lambda: elbow("q", gaps), "q of elbow misses some samples"),
+        (lambda: elbow("q", gaps), "q of elbow lacks some samples"),
         (lambda: channels() | {"v": np.degrees(motions()[1])}, "times the rate of q: degrees for radians?"),
     ],
 )
@@ -220,11 +220,11 @@ def test_short_gaps_are_bridged_and_counted(files: Path):
             assert number.told and number.value == pytest.approx(4.0, rel=0.02)
 
 
-@pytest.mark.parametrize(("delay", "when"), [(5e-4, "later times by 0.500 ms"), (-2e-3, "earlier times by 2.000 ms")])
+@pytest.mark.parametrize(("delay", "when"), [(5e-4, "later by 0.500 ms"), (-2e-3, "earlier by 2.000 ms")])
 def test_which_way_torques_were_moved_is_said_once(files: Path, delay: float, when: str):
     log = Recording(TIME, ("shoulder", "elbow"), **channels())
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated", torque_delay=delay)
-    assert [note for note in found.notes if "moved" in note] == [f"torque moved to {when}, of all joints alike"]
+    assert [note for note in found.notes if "moved" in note] == [f"torque moved {when}, for all joints alike"]
 
 
 @pytest.mark.parametrize(
@@ -268,19 +268,19 @@ def one_sided(missing: str, joint: int) -> dict[str, Array]:
 def test_a_joint_with_one_encoder_leaves_the_others_their_springs(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", one_sided("theta", 1))
     found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml", friction="stated")
-    assert any("elbow: theta holds no number, q stands for it" in note for note in found.notes)
+    assert any("elbow: theta holds no numbers, so q stands in for it" in note for note in found.notes)
     assert found.drives and set(found.drives.joints) == {"shoulder"}
     stiffness = next(n for n in found.numbers if n.name == "stiffness")
     assert stiffness.joint == "shoulder" and stiffness.low < 7e3 < stiffness.high
     neither = one_sided("theta", 1) | {"q": one_sided("q", 1)["q"]}
-    with pytest.raises(InputError, match=r"joint 'elbow': neither q nor theta holds a number: lock it"):
+    with pytest.raises(InputError, match=r"joint 'elbow': neither q nor theta holds any number: lock the joint"):
         identify(files / "arm.urdf", write_log(tmp_path / "none.csv", neither), drives=files / "sprung.yaml")
 
 
 def test_a_rotors_position_is_not_taken_for_degrees(files: Path, tmp_path: Path):
     turned = wound()
     turned["theta"] = 100.0 * turned["theta"]
-    with pytest.raises(InputError, match=r"the ratio times as far as q: this is the rotor: .* side: motor}"):
+    with pytest.raises(InputError, match=r"the ratio times as far as q, so it is the rotor's: .* side: motor}"):
         identify(files / "arm.urdf", write_log(tmp_path / "log.csv", turned), drives=files / "sprung.yaml")
 
 

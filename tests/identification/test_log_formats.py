@@ -125,6 +125,6 @@ def test_a_format_without_its_library_says_what_to_install(tmp_path: Path, monke
 def test_a_clock_that_was_set_back_is_said_of_its_file(tmp_path: Path):
     file = tmp_path / "set_back.npz"
     np.savez(file, t=np.concatenate([T[:150], T[:50]]), q=Q)
-    with pytest.raises(InputError, match=r"time goes back by .* at sample 150: a clock was set") as caught:
+    with pytest.raises(InputError, match=r"time goes back by .* at sample 150: a clock was set back") as caught:
         read_recording(file)
     assert caught.value.place == str(file)

@@ -81,7 +81,7 @@ def test_the_default_cut_off_keeps_the_harmonics_of_a_motion_however_often_it_is
 
 def test_noise_alone_has_no_cut_off_but_the_one_that_is_given():
     noise = np.random.default_rng(8).standard_normal((4000, 1))
-    with pytest.raises(InputError, match=r"no column stands out of its noise over 64 samples or more"):
+    with pytest.raises(InputError, match=r"no column stands out from its noise over 64 samples or more"):
         noise_cutoff(noise, PERIOD)
     assert noise_cutoff(noise, PERIOD, otherwise=50.0) == 50.0
 
@@ -110,7 +110,7 @@ def test_all_channels_pass_one_filter_so_that_laws_between_them_hold():
 
 @pytest.mark.parametrize("cutoff", [0.0, -1.0, 500.0, np.nan])
 def test_a_cut_off_that_is_none_is_refused(cutoff: float):
-    with pytest.raises(InputError, match=r"cut-off .* Hz must lie between 0 and half of the sampling rate, 500 Hz"):
+    with pytest.raises(InputError, match=r"cut-off .* Hz must lie between 0 and 500 Hz, half the sampling rate"):
         low_pass(np.ones(100), PERIOD, cutoff)
 
 
@@ -118,7 +118,7 @@ def test_a_third_derivative_and_a_cut_off_of_nothing_are_refused():
     with pytest.raises(InputError, match=r"order 3 must be 1 or 2"):
         derivative(np.ones(10), PERIOD, 3)
     with pytest.raises(
-        InputError, match=r"no column stands out of its noise over 64 samples or more without a gap, of 100"
+        InputError, match=r"no column stands out from its noise over 64 samples or more without a gap, of 100"
     ):
         noise_cutoff(np.ones((100, 2)), PERIOD)
 

@@ -84,7 +84,7 @@ def test_every_column_has_the_unit_that_the_log_states_for_it():
     assert np.allclose(found["q"], Q * [math.pi / 180.0, 1.0], rtol=1e-15, atol=0.0)
     assert np.allclose(found["torque"], V * [1.0, 1e-3], rtol=1e-15, atol=0.0)
     assert np.array_equal(mapped("q: {channels: [a, b], unit: rad}", table(**angles))["q"], Q)
-    with pytest.raises(ModelError, match=r"q: one of its columns states the unit 'deg', another none; state 'q.unit'"):
+    with pytest.raises(ModelError, match=r"q: one column states the unit 'deg', another states none; state 'q.unit'"):
         mapped("q: [a, x]", table(a=angles["a"], x=Q[:, 1]))
 
 
@@ -118,7 +118,7 @@ def test_a_time_is_in_the_mappings_unit_else_in_that_of_the_log(stated: str, ste
 
 
 def test_a_unit_that_is_no_time_is_refused():
-    with pytest.raises(ModelError, match=r"time: channel 'w' is in 'min', of which no time is known; state time.unit"):
+    with pytest.raises(ModelError, match=r"time: channel 'w' is in 'min', not a known unit of time; state time.unit"):
         mapped("time: {channel: w}\nq: x", table(w=Channel(T, unit="min"), x=Q))
 
 
@@ -129,7 +129,7 @@ def test_a_unit_that_is_no_time_is_refused():
         ("q: x[2]", r"mapping: q: the log has no channel 'x\[2\]'; there are"),
         ("q: x\ntime: {channel: z}", r"mapping: time: the log has no channel 'z'; there are: .* \(map.yaml:3\)"),
         ("{}", r"is not allowed|YAML cannot be read"),
-        ("joints: [a]", r"mapping: names no quantity; those that exist are q, theta, v"),
+        ("joints: [a]", r"mapping: names no quantity; there are: q, theta, v"),
         ("p: x", r"mapping: unknown key 'p'; known keys: 'version', 'joints', 'ratio', 'time', 'q'"),
         (
             "q: {channels: x, units: deg}",
@@ -137,30 +137,30 @@ def test_a_unit_that_is_no_time_is_refused():
         ),
         ("q: {unit: deg}", r"'channels' is missing in q: .* \(map.yaml:2\)"),
         ("q: {channels: []}", r"q.channels \[\] must have at least 1 entries \(map.yaml:2\)"),
-        ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
+        ("q: {channels: x, unit: grad}", r"q.unit 'grad' is not known; use 'rad', 'mrad', 'deg'"),
         ("q: {channels: x, unit: [deg, rad, deg]}", r"q.unit has 3 units: it must have 1 or 2 \(map.yaml:2\)"),
-        ("q: {channels: x, unit: [deg, grad]}", r"q.unit 'grad' is not known; there are 'rad', 'mrad', 'deg'"),
+        ("q: {channels: x, unit: [deg, grad]}", r"q.unit 'grad' is not known; use 'rad', 'mrad', 'deg'"),
         ("q: {channels: x, unit: []}", r"q.unit \[\] must have at least 1 entries"),
         ("q: {channels: x, unit: counts}", r"q.unit 'counts' needs 'counts_per_turn'"),
         ("v: {channels: x, unit: counts}", r"v.unit 'counts' is not known"),
-        ("torque: {channels: x, unit: A}", r"torque.unit 'A' needs 'gain': what one A is worth in SI"),
-        ("q: {channels: x, sign: 2}", r"q.sign \[2.0\] must be 1 or -1; what scales goes into gain"),
+        ("torque: {channels: x, unit: A}", r"torque.unit 'A' needs 'gain': the SI value of one A"),
+        ("q: {channels: x, sign: 2}", r"q.sign \[2.0\] must be 1 or -1; a scale factor goes into gain"),
         ("q: {channels: x, sign: [1, 1, -1]}", r"q.sign has 3 numbers: it must have 1 or 2"),
         ("q: {channels: x, gain: 0}", r"q.gain must not be zero"),
         ("q: {channels: x, side: motor}", r"q.side 'motor' needs 'ratio': motor turns per joint turn"),
         ("q: {channels: x, side: rotor}", r"q.side 'rotor' must be 'link' or 'motor' \(map.yaml:2\)"),
         ("ratio: 0\nq: x", r"ratio must not be zero"),
         ("ratio: [1, 2, 3]\nq: x", r"ratio has 3 numbers: it must have 1 or 2"),
-        ("joints: [a, a]\nq: x", r"joints \['a', 'a'\] must be names, each its own"),
+        ("joints: [a, a]\nq: x", r"joints \['a', 'a'\] must be distinct names"),
         ("joints: [a]\nq: x", r"q has 2 columns: it must have one for each of a \(map.yaml:3\)"),
-        ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state one of them"),
+        ("time: {channel: t, period: 1}\nq: x", r"has both 'channel' and 'period'; state only one"),
         ("time: {period: -1}\nq: x", r"time.period -1.0 s must be positive"),
         ("q: x\ntime: 3", r"time 3.0 must be a channel's name or a mapping with keys from 'channel', 'unit', .*:3\)"),
         ("q: 3", r"q 3.0 must be a channel's name, a list of names or a mapping with keys from 'channels', 'unit'"),
-        ("q: [x, x]", r"q: 'x' and 'x' are one column of the log; each joint must have its own \(map.yaml:2\)"),
-        ("q: ['x[1]', 'x[1]']", r"q: 'x\[1\]' and 'x\[1\]' are one column of the log"),
-        ("q: ['x[1]', x]", r"q: 'x\[1\]' and 'x' are one column of the log"),
-        ("q: [x, w]", r"q: channel 'w' was sampled at other times than those beside it"),
+        ("q: [x, x]", r"q: 'x' and 'x' are the same column of the log; each joint needs its own \(map.yaml:2\)"),
+        ("q: ['x[1]', 'x[1]']", r"q: 'x\[1\]' and 'x\[1\]' are the same column of the log"),
+        ("q: ['x[1]', x]", r"q: 'x\[1\]' and 'x' are the same column of the log"),
+        ("q: [x, w]", r"q: channel 'w' was not sampled at the same times as the others"),
     ],
 )
 def test_a_wrong_mapping_is_refused_at_its_line(text: str, message: str):
@@ -171,10 +171,13 @@ def test_a_wrong_mapping_is_refused_at_its_line(text: str, message: str):
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ("q: {channels: x, unit: mm}", r"q.unit 'mm' is of .* slide, and 'shoulder' turns: .* 'rad', .*'rev' \(map.ya"),
+        (
+            "q: {channels: x, unit: mm}",
+            r"q.unit 'mm' is for .* slide, but 'shoulder' turns: .* 'rad', .*'rev' \(map.ya",
+        ),
         ("q: x\nv: {channels: x, unit: m/s}", r"v.unit 'm/s' .*: it must be one of .*'rpm' \(map.yaml:3\)"),
         ("q: x\ntorque: {channels: x, unit: kN}", r"torque.unit 'kN' .*: it must be one of 'N m', .*'kN m' \("),
-        ("q: y", r"q.unit 'mm' is of joints that slide, and 'shoulder' turns"),
+        ("q: y", r"q.unit 'mm' is for joints that slide, but 'shoulder' turns"),
     ],
 )
 def test_lengths_and_forces_of_joints_that_turn_are_refused(fields: str, message: str):
@@ -186,12 +189,12 @@ def test_lengths_and_forces_of_joints_that_turn_are_refused(fields: str, message
 def test_angles_of_joints_that_slide_are_refused_but_not_those_of_their_motors():
     text = urdf_text().replace('name="elbow" type="revolute"', 'name="elbow" type="prismatic"')
     arm = Robot(parse_urdf(text), {name: Drive(100.0) for name in ("shoulder", "elbow")})
-    rule = r"q.unit 'deg' is of joints that turn, and 'elbow' slides: it must be one of 'm', 'mm'; unit may be a list"
+    rule = r"q.unit 'deg' is for joints that turn, but 'elbow' slides: it must be one of 'm', 'mm'; unit may be a list"
     with pytest.raises(ModelError, match=rule):
         recording_of(table(x=Q), parse_mapping("version: 1\nq: {channels: x, unit: deg}", "map.yaml"), arm)
     each = parse_mapping("version: 1\nq: {channels: x, unit: [deg, mm]}", "map.yaml")
     assert_close(recording_of(table(x=Q), each, arm)["q"], Q * [np.pi / 180.0, 1e-3], 1e-15)
-    with pytest.raises(ModelError, match=r"torque.unit 'kN m' is of joints that turn, .* it must be one of 'N', 'kN'"):
+    with pytest.raises(ModelError, match=r"torque.unit 'kN m' is for joints that turn, .* it must be one of 'N', 'kN'"):
         forces = "version: 1\nq: {channels: x, unit: [deg, mm]}\ntorque: {channels: x, unit: kN m}"
         recording_of(table(x=Q), parse_mapping(forces, "map.yaml"), arm)
     motors = parse_mapping("version: 1\nratio: 100\nq: {channels: x, unit: deg, side: motor}", "map.yaml")
@@ -206,11 +209,11 @@ def test_a_gain_makes_an_angle_of_a_length():
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"q": {"channels": ["x"], "unit": "grad"}}, r"mapping: q.unit 'grad' is not known; .* with 'gain'$"),
-        ({"q": {"channels": ("x", "x")}}, r"mapping: q: 'x' and 'x' are one column of the log; .* its own$"),
+        ({"q": {"channels": ["x"], "unit": "grad"}}, r"mapping: q.unit 'grad' is not known; .* or state 'gain'$"),
+        ({"q": {"channels": ("x", "x")}}, r"mapping: q: 'x' and 'x' are the same column of the log; .* its own$"),
         ({"q": "x", "ratio": [1, 0]}, r"mapping: ratio must not be zero$"),
         ({"q": "x", "sign": 1}, r"mapping: unknown key 'sign'; known keys: .*'$"),
-        ({"q": {"channels": np.ones(2)}}, r"mapping: it must hold texts, numbers, lists and dicts alone: .*able$"),
+        ({"q": {"channels": np.ones(2)}}, r"mapping: it may hold only text, numbers, lists and dicts: .*able$"),
         ({3: "x"}, r"mapping: unknown key '3'; known keys: .*'$"),
     ],
 )
@@ -223,13 +226,15 @@ def test_a_column_of_more_joints_than_the_robot_has_is_named(tmp_path: Path):
     columns = {f"q{k}": Q[:, 0] + k for k in (1, 2, 3)} | {f"tau{k}": TAU[:, 0] + k for k in (1, 2)}
     np.savez(tmp_path / "log.npz", t=T, **columns)  # pyright: ignore[reportArgumentType]
     robot = two_joints()
-    rule = r"q has 3 columns, and the robot 2 driven joints, 'shoulder', 'elbow': nothing says"
-    with pytest.raises(ModelError, match=rf"{rule} whose 'q3' would be; name theirs in a mapping, 'q: .*log.npz\)$"):
+    rule = r"q has 3 columns, but the robot has 2 driven joints, 'shoulder', 'elbow': nothing says"
+    with pytest.raises(
+        ModelError, match=rf"{rule} whose 'q3' are; name the joints' columns in a mapping, 'q: .*log.npz\)$"
+    ):
         read_recording(tmp_path / "log.npz", robot=robot)
     mapping = {"version": 1, "q": ["q1", "q2"], "torque": ["tau1", "tau2"]}
     assert np.array_equal(read_recording(tmp_path / "log.npz", mapping, robot)["q"], Q[:, :1] + [1, 2])
     np.savez(tmp_path / "log.npz", t=T, q=np.column_stack([Q, TAU[:, 0]]))
-    with pytest.raises(ModelError, match=rf"{rule} which are theirs; name theirs in a mapping, 'q: "):
+    with pytest.raises(ModelError, match=rf"{rule} which belong to them; name the joints' columns in a mapping, 'q: "):
         read_recording(tmp_path / "log.npz", robot=robot)
 
 
@@ -302,7 +307,7 @@ def test_columns_that_are_named_otherwise_than_the_positions_are_refused():
     from cutpoint.identification.logs.mapping import obvious_mapping
 
     log = table(**{"q.a": Q[:, 0], "q.b": Q[:, 1], "tau1": TAU[:, 0], "tau2": TAU[:, 1]})
-    with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them is named like 'q.a'; name them alike"):
+    with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them matches 'q.a'; use matching names"):
         obvious_mapping(log)
 
 
@@ -358,7 +363,7 @@ def test_a_commanded_torque_is_taken_if_it_is_alone():
     ],
 )
 def test_columns_that_are_named_alike_are_refused_by_name(names: tuple[str, ...]):
-    with pytest.raises(InputError, match=r"'.*0' and '.*0' are named alike: .*; give a mapping"):
+    with pytest.raises(InputError, match=r"'.*0' and '.*0' have equivalent names: .*; state it in a mapping"):
         obvious(*names)
 
 
@@ -367,20 +372,22 @@ def test_of_matrices_that_are_named_alike_the_one_that_names_the_robots_joints_i
 
     log = table(**{"arm.position": Channel(Q, ("a", "b")), "hand.position": Channel(V, ("c", "d"))})
     assert np.array_equal(recording_of(log, obvious_mapping(log, ("c", "d")))["q"], V)
-    with pytest.raises(InputError, match=r"'arm.position' and 'hand.position' are named alike"):
+    with pytest.raises(InputError, match=r"'arm.position' and 'hand.position' have equivalent names"):
         obvious_mapping(log)
 
 
 def test_names_that_say_nothing_are_an_error_that_lists_them(tmp_path: Path):
     np.savez(tmp_path / "log.npz", t=T, x=Q, y=V)
-    with pytest.raises(InputError, match=r"no channel is named like a position; give a mapping.  There are: 't', 'x'"):
+    with pytest.raises(
+        InputError, match=r"no channel has a name that means position; give a mapping.  There are: 't', 'x'"
+    ):
         read_recording(tmp_path / "log.npz")
     np.savez(tmp_path / "log.npz", q=Q)
-    with pytest.raises(ModelError, match=r"no channel is named like a time; state 'time: {channel: ...}'"):
+    with pytest.raises(ModelError, match=r"no channel has a name that means time; state 'time: {channel: ...}'"):
         read_recording(tmp_path / "log.npz")
 
 
 def test_a_channel_as_long_as_no_other_is_refused(tmp_path: Path):
     np.savez(tmp_path / "log.npz", t=T, q=Q[:60])
-    with pytest.raises(InputError, match=r"q has 60 samples: it must have as many as the time has, 100"):
+    with pytest.raises(InputError, match=r"q has 60 samples: it must have as many as time, 100"):
         read_recording(tmp_path / "log.npz")

@@ -106,7 +106,7 @@ def test_words_among_numbers_are_missing_samples_with_a_note(tmp_path: Path, wor
 def test_a_column_of_words_is_named_where_it_is_missed(tmp_path: Path):
     words = [f"home,{line}" for line in lines()]
     with pytest.raises(
-        InputError, match=r"no channel is named like a position; .*'x5'; 'q1' holds text, such as 'home'"
+        InputError, match=r"no channel has a name that means position; .*'x5'; 'q1' holds text, such as 'home'"
     ):
         read(tmp_path, "q1,t,x2,x3,x4,x5", *words)
     with pytest.raises(CutpointError, match=r"q: the log's channel 'q1' holds text, such as 'home': it must hold num"):
@@ -139,7 +139,7 @@ def test_a_last_line_that_was_cut_off_is_left_out(tmp_path: Path):
     found = read(tmp_path, HEADER, *lines()[:150], "0.15,0.1,0.")
     assert_read(found)
     assert found.time.size == 150
-    assert found.notes == ("line 152, the last, was cut off, 3 of 5 cells, and is left out",)
+    assert found.notes == ("line 152, the last, was cut off after 3 of 5 cells and is left out",)
 
 
 def test_objects_in_an_archive_are_named(tmp_path: Path):

@@ -24,7 +24,7 @@ def test_parts_of_a_recording_keep_its_samples():
     assert turned.joints == ("elbow", "shoulder") and np.array_equal(turned["q"], whole["q"][:, ::-1])
     with pytest.raises(InputError, match=r"no joint is named 'wrist'; there are: 'shoulder', 'elbow'"):
         whole.joint("wrist")
-    with pytest.raises(InputError, match=r"less than two samples from 0.5 s to 0.6 s: the recording runs from 0 s"):
+    with pytest.raises(InputError, match=r"fewer than two samples from 0.5 s to 0.6 s: the recording runs from 0 s"):
         whole.between(0.5, 0.6)
 
 
@@ -41,12 +41,12 @@ def test_nobody_writes_to_a_recording():
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"time": T[::-1], "q": positions(T)}, r"must be \(N,\), at least two, finite and increasing"),
-        ({"time": T[:1], "q": positions(T[:1])}, r"at least two"),
+        ({"time": T[::-1], "q": positions(T)}, r"must be \(N,\), N at least 2, finite and increasing"),
+        ({"time": T[:1], "q": positions(T[:1])}, r"N at least 2"),
         ({"time": T, "q": positions(T)[:, :1]}, r"channel 'q' has shape \(400, 1\): it must be \(400, 2\)"),
-        ({"time": T, "v": np.full((400, 2), np.inf)}, r"channel 'v' holds infinite numbers: mark what is not known"),
-        ({"time": T}, r"a recording needs one of q, theta, v"),
-        ({"time": T, "joints": ("a", "a"), "q": positions(T)}, r"joints \('a', 'a'\) must be names, each its own"),
+        ({"time": T, "v": np.full((400, 2), np.inf)}, r"channel 'v' holds infinite numbers: mark unknown ones"),
+        ({"time": T}, r"a recording needs at least one of q, theta, v"),
+        ({"time": T, "joints": ("a", "a"), "q": positions(T)}, r"joints \('a', 'a'\) must be distinct names"),
     ],
 )
 def test_what_is_no_recording_is_refused(fields: dict[str, object], message: str):
@@ -83,7 +83,9 @@ def test_noise_of_uneven_samples_does_not_grow(stamps: Callable[..., np.ndarray]
     found = Recording(time, JOINTS, q=noise).resampled(PERIOD)
     assert np.nanstd(found["q"]) < 1.1 * noise.std()
     assert np.nanmax(np.abs(found["q"])) < 1.6 * np.abs(noise).max()
-    assert re.search(r"with steps from \S+ to 0.00\d+ s; \d+ samples right after another count with", found.notes[0])
+    assert re.search(
+        r"with steps from \S+ to 0.00\d+ s; \d+ samples right after another are averaged with", found.notes[0]
+    )
     smooth = Recording(time, JOINTS, q=positions(time)).resampled(PERIOD)["q"]
     known = np.isfinite(smooth)
     # of two that count as one, a quarter of a period apart at most, the mean errs by 1/8 of that squared times |q''|
@@ -116,7 +118,7 @@ def test_a_channel_that_was_sampled_less_often_is_filled_in():
 
 def test_uneven_times_have_no_period_and_say_how_to_get_one():
     uneven = Recording(T**1.1, JOINTS, q=positions(T))
-    with pytest.raises(InputError, match=r"times are not uniform: steps from .* take recording.resampled\(0.00\d+\)"):
+    with pytest.raises(InputError, match=r"times are not uniform: steps from .* use recording.resampled\(0.00\d+\)"):
         _ = uneven.period
 
 

@@ -50,21 +50,21 @@ def test_nothing_is_said_of_a_good_log():
     [
         ({"q": elbow("q", 0.0)}, "q of elbow never changes: was it measured?"),
         ({"torque": elbow("torque", np.nan)}, "torque of elbow holds no number"),
-        ({"v": elbow("v", np.where(T < 1.0, np.nan, GOOD["v"][:, 1]))}, "v of elbow misses some samples"),
+        ({"v": elbow("v", np.where(T < 1.0, np.nan, GOOD["v"][:, 1]))}, "v of elbow lacks some samples"),
         ({"torque": elbow("torque", np.inf)}, "torque of elbow holds no number"),
         (
             {"torque": np.clip(GOOD["torque"], -5.0, 5.0)},
-            "torque of shoulder, elbow stays at its extreme: was it cut off?",
+            "torque of shoulder, elbow stays at its extreme: was it clipped?",
         ),
         ({"v": np.degrees(GOOD["v"])}, "v of 'elbow' is 57.3 times the rate of q: degrees for radians?"),
-        ({"v": -GOOD["v"]}, "v of 'elbow' is -1 times the rate of q: the sign of one is wrong?"),
+        ({"v": -GOOD["v"]}, "v of 'elbow' is -1 times the rate of q: a wrong sign?"),
         ({"theta_dot": GOOD["v"] * 30.0 / math.pi}, "theta_dot of 'elbow' is 9.549 times the rate of theta: rpm for"),
         ({"v": GOOD["v"] / (2.0 * math.pi)}, "v of 'elbow' is 0.1592 times the rate of q: turns for radians?"),
         (
             {"theta": 100.0 * SPANS, "theta_dot": 100.0 * GOOD["v"]},
             "theta of 'elbow' is 100 times q: another unit",
         ),
-        ({"theta": SPANS + 0.5}, "theta of 'elbow' is always near 0.5 rad (m) ahead of q: have both one zero?"),
+        ({"theta": SPANS + 0.5}, "theta of 'elbow' leads q by about 0.5 rad (m) throughout: do their zeros agree?"),
         (
             {"q": 50.0 * SPANS, "v": 50.0 * GOOD["v"]},
             "q of shoulder, elbow spans more than 4 turns: degrees for radians, or mm for m?",
@@ -78,7 +78,7 @@ def test_what_looks_wrong_is_noted_by_name(changed: dict[str, np.ndarray], note:
 
 def test_a_peak_is_not_taken_for_a_limit():
     rounded = np.round(GOOD["torque"], 1)
-    assert not [note for note in read(torque=rounded, current=GOOD["torque"]).notes if "cut off" in note]
+    assert not [note for note in read(torque=rounded, current=GOOD["torque"]).notes if "clipped" in note]
 
 
 def robot_log(robot: cutpoint.Robot, factor: float) -> Recording:
@@ -108,7 +108,7 @@ def test_a_joint_that_the_robot_lacks_is_refused():
     robot = cutpoint.robots.xia2019()
     with pytest.raises(cutpoint.ModelError, match=r"the robot has no driven joint 'elbow'; there are: .*map.yaml:2"):
         recording_of(log, mapping, robot)
-    with pytest.raises(cutpoint.ModelError, match=r"2 columns, and the robot 6 driven .*; state .* as 'joints' "):
+    with pytest.raises(cutpoint.ModelError, match=r"2 columns, but the robot has 6 driven .*; state .* as 'joints' "):
         recording_of(log, parse_mapping("version: 1\nq: q"), robot)
 
 
@@ -121,7 +121,7 @@ def test_motion_across_a_gap_is_no_disagreement():
 def test_motors_that_all_move_as_many_times_as_far_as_links_are_refused():
     arm = Robot(parse_urdf(urdf_text()))
     log = Recording(T, ("shoulder", "elbow"), q=GOOD["q"] / 60.0, theta=np.degrees(GOOD["q"]) / 60.0)
-    with pytest.raises(InputError, match=r"theta of all joints is 57.3 times q: degrees for radians\?  Then state"):
+    with pytest.raises(InputError, match=r"theta of all joints is 57.3 times q: degrees for radians\?  If so, state"):
         refuse_other_units(log, arm)
     refuse_other_units(replace(log, theta=np.column_stack([log["theta"][:, 0], log["q"][:, 1]])), arm)
 

@@ -33,7 +33,7 @@ def test_shuffled_samples_are_sorted_and_said_to_be():
     shuffled = np.random.default_rng(1).permutation(T.size)
     found = read(T[shuffled], Q[shuffled])
     assert_true(found, T.size)
-    assert "steps of time lead back; samples were sorted by time" in found.notes[0]
+    assert "time steps go back; samples were sorted by time" in found.notes[0]
 
 
 def test_samples_written_twice_count_once():
@@ -52,7 +52,7 @@ def test_samples_without_a_time_or_at_that_of_another_are_left_out_if_they_are_f
     assert_true(found, T.size - 4)
     assert found.notes == (
         "q: samples without a time: 2 of 400 were left out",
-        "q: samples at the time of another, or right after it: 2 of 398 were left out",
+        "q: samples at the same time as another, or right after it: 2 of 398 were left out",
     )
 
 
@@ -68,8 +68,8 @@ def test_a_clock_that_leaps_ahead_leaves_ten_seconds_of_which_nothing_is_known()
     assert np.allclose(leapt.time, T + np.where(np.arange(T.size) < 250, 0.0, 10.0 - 1e-3), rtol=0.0, atol=1e-9)
     assert np.array_equal(leapt["q"], Q)
     assert leapt.notes[1] == (
-        "time: 1 gaps above 10 s, the first, 3600 s, at 0.249 s; 10 s are left of each, and later times are moved "
-        "to earlier ones"
+        "time: 1 gaps above 10 s, the first of 3600 s at 0.249 s; each was cut to 10 s, and later samples were moved "
+        "earlier"
     )
     assert np.isfinite(leapt.resampled(1e-3)["q"]).sum() == Q.size
 
@@ -95,7 +95,7 @@ def test_channels_of_their_own_times_stay_together_across_a_long_gap():
 
 @pytest.mark.parametrize(("factor", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_a_period_that_is_another_units_is_refused(factor: float, unit: str):
-    told = rf"slower than any log of a moving machine; are the times in {unit}\?  Then state .*unit: {unit}}}"
+    told = rf"too long for a log of a moving machine: are the times in {unit}\?  If so, state .*unit: {unit}}}"
     with pytest.raises(InputError, match=told):
         read(factor * T, Q)
 
@@ -105,11 +105,12 @@ def test_a_period_that_is_another_units_is_refused(factor: float, unit: str):
     [
         (
             np.concatenate([T[:250], T[:150]]),
-            r"q: time goes back by 0.249 s at sample 250: a clock was set, .*; cut the log there, and give one part",
+            r"q: time goes back by 0.249 s at sample 250: a clock was set back, "
+            r".*; split the log there, and give one part",
         ),
-        (np.floor(T / 4e-3) * 4e-3, r"q: samples at the time of another, .*: 300 of 400, more than 5%"),
+        (np.floor(T / 4e-3) * 4e-3, r"q: samples at the same time as another, .*: 300 of 400, more than 5%"),
         (np.where(np.arange(400) % 4, T, np.nan), r"q: samples without a time: 100 of 400, more than 5%: take another"),
-        (np.zeros(400), r"q: time does not pass: every stamp is 0 s"),
+        (np.zeros(400), r"q: time does not advance: every stamp is 0 s"),
         (np.full(400, np.nan), r"q: samples without a time: 400 of 400"),
     ],
 )
@@ -120,9 +121,7 @@ def test_stamps_that_nothing_can_be_made_of_are_refused(stamps: np.ndarray, mess
 
 def test_stamps_closer_than_any_log_has_them_are_noted():
     (note,) = read(1e-3 * T, Q).notes
-    assert (
-        note.startswith("q: a period of 1e-06 s is shorter than any log") and "are the times in a longer unit" in note
-    )
+    assert note.startswith("q: a period of 1e-06 s is too short for a log") and "are the times in a longer unit" in note
 
 
 @pytest.mark.parametrize("count", [2, 3])

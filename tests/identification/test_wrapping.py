@@ -31,7 +31,7 @@ def assert_whole(found: Recording, motion: np.ndarray, atol: float, name: str = 
     """The motion itself, but for a whole number of turns, wherever it is known."""
     off = found[name] - motion
     assert np.nanmax(off) - np.nanmin(off) <= atol
-    assert sum("were put together again" in note for note in found.notes) == 1
+    assert sum("were unwrapped" in note for note in found.notes) == 1
 
 
 @pytest.mark.parametrize(("fields", "turn"), [("unit: rad", TURN), ("unit: deg", 360.0), ("unit: rev", 1.0)])
@@ -39,7 +39,7 @@ def test_an_angle_of_one_turn_is_put_together(fields: str, turn: float):
     found = read(wrapped(MOTION * turn / TURN, turn), fields)
     assert_whole(found, MOTION, 1e-12)
     jumps = (np.abs(np.diff(wrapped(MOTION, TURN)[:, 0])) > math.pi).sum()
-    assert found.notes[0] == f"q of 'joint_0': {jumps} jumps by a turn, 6.283 rad at the joint, were put together again"
+    assert found.notes[0] == f"q of 'joint_0': {jumps} jumps by a turn, 6.283 rad at the joint, were unwrapped"
 
 
 @pytest.mark.parametrize("start", [0, 700, 1500])

@@ -57,7 +57,7 @@ def aligned(
     of the channels was recorded.
     """
     check_recording("aligned", recording)
-    check_kind("aligned", "delays", delays, (Mapping, NoneType), "a delay, s, for each of some joints, by name")
+    check_kind("aligned", "delays", delays, (Mapping, NoneType), "a mapping of joint names to delays, s")
     channels = checked_names("aligned", channels, "channels", "names of channels")
     measured = _of_one_clock(skews(recording)) if delays is None else delays
     unknown = set(measured) - set(recording.joints)
@@ -118,7 +118,7 @@ def _notes(channels: str, measured: Mapping[str, Skew | float]) -> list[str]:
     words = {joint: _words(each) for joint, each in measured.items()}
     moved = [f"{joint} by {words[joint]}" for joint, each in measured.items() if _delay(each)]
     stayed = [f"{joint} ({words[joint]})" for joint, each in measured.items() if not _delay(each)]
-    notes = [f"{channels} moved to earlier times: {', '.join(moved)}"] if moved else []
+    notes = [f"{channels} moved earlier: {', '.join(moved)}"] if moved else []
     return [*notes, f"{channels} not moved, as no delay stands out: {', '.join(stayed)}"] if stayed else notes
 
 

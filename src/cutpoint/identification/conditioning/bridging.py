@@ -28,4 +28,4 @@ def bridged(recording: Recording, even: Recording) -> Recording:
         return even
     gaps = int((np.diff(made.astype(int), prepend=0) == 1).sum())
     rule = f"{gaps} gaps of at most {LOST} samples and {LONGEST:g} s were bridged by splines"
-    return filled.with_notes([f"{rule}: {made.sum()} of {made.size} samples, and the intervals take them for measured"])
+    return filled.with_notes([f"{rule}: {made.sum()} of {made.size} samples, which the intervals treat as measured"])

@@ -69,9 +69,11 @@ def clock_skew(
     largest = min(largest, period * len(first))
     used = _usable(first, second, int(np.ceil(largest / period)))
     if used.sum() < LEAST_SAMPLES:
-        raise InputError(f"{used.sum()} common samples are too few to see a delay: at least {LEAST_SAMPLES} are needed")
+        raise InputError(
+            f"{used.sum()} common samples are too few to find a delay: at least {LEAST_SAMPLES} are needed"
+        )
     if not (np.ptp(second[used], axis=0).any() and np.ptp(first[used])):
-        raise InputError("a channel does not move: it shows no delay")
+        raise InputError("a channel never changes: it shows no delay")
     functions = _delayed(second, period, law, used)
     tau = _best(lambda delay: float(np.sum(_fit(functions(delay), first[used])[1] ** 2)), largest, period)
     return _with_uncertainty(tau, first[used], functions, period)
@@ -126,7 +128,7 @@ def _best(error: Callable[[float], float], largest: float, period: float) -> flo
     errors = [error(tau) for tau in grid]
     best = int(np.argmin(errors))
     if best in (0, grid.size - 1):
-        raise InputError(f"no delay up to {largest:g} s fits best: are both of one motion?")
+        raise InputError(f"no delay up to {largest:g} s fits best: are both channels of the same motion?")
     bounds = (float(grid[best - 1]), float(grid[best + 1]))
     found: Any = minimize_scalar(error, bounds=bounds, method="bounded", options={"xatol": 1e-6 * period})
     return float(found.x)

@@ -75,7 +75,7 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
     """
     if not 0.0 < bandwidth < 0.5 / period:
         rate = 0.5 / period
-        raise InputError(f"bandwidth {bandwidth} Hz must lie between 0 and half of the sampling rate, {rate:g} Hz")
+        raise InputError(f"bandwidth {bandwidth} Hz must lie between 0 and {rate:g} Hz, half the sampling rate")
     step = max(1, int(0.5 / (bandwidth * period)))
     window: Any = firwin(2 * CROSSINGS * step + 1, bandwidth, fs=1.0 / period) if step > 1 else np.ones(1)
     unknown = np.concatenate([[0], np.cumsum(~known)])
@@ -85,6 +85,6 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
         longest = window.size * period
         raise InputError(
             f"the recording has no two stretches of {longest:.3g} s in which every joint's positions and torques are "
-            f"known, of {known.size * period:.3g} s: record more, or raise bandwidth, --bandwidth"
+            f"known, in all its {known.size * period:.3g} s: record more, or raise bandwidth (--bandwidth)"
         )
     return Decimation(window, starts, period)

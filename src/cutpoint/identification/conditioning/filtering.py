@@ -63,7 +63,7 @@ def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER
     period, cutoff = positive("low_pass", "period", period, "s"), number("low_pass", "cutoff", cutoff, "Hz")
     values, order = _samples("low_pass", values), whole("low_pass", "order", order)
     if not 0.0 < cutoff < 0.5 / period:
-        raise InputError(f"cut-off {cutoff} Hz must lie between 0 and half of the sampling rate, {0.5 / period:g} Hz")
+        raise InputError(f"cut-off {cutoff} Hz must lie between 0 and {0.5 / period:g} Hz, half the sampling rate")
     sections = butter(order, cutoff, fs=1.0 / period, output="sos")
     edge = _edge(period, cutoff)
     found = np.full(values.shape, np.nan)
@@ -121,7 +121,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
     if not any(found) and otherwise is not None:
         return otherwise
     if not any(found):
-        rule = f"no column stands out of its noise over {16 * WINDOWS} samples or more without a gap"
+        rule = f"no column stands out from its noise over {16 * WINDOWS} samples or more without a gap"
         remedy = "did anything move?  Record more, map another channel, or state a cut-off in Hz"
         raise InputError(f"{rule}, of {len(values)}: {remedy}")
     return max(found)
@@ -146,7 +146,7 @@ def _samples(function: str, values: ArrayLike) -> Array:
     """The values as an array (N, ...), N at least 1.  Raises InputError."""
     array = as_numbers(function, "values", values)
     if not array.ndim or not len(array):
-        raise InputError(f"{function}: values have shape {array.shape}, they must be (N, ...)", shape=array.shape)
+        raise InputError(f"{function}: values have shape {array.shape}: they must be (N, ...)", shape=array.shape)
     return array
 
 

@@ -51,7 +51,9 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     """
     if robot.nv != len(robot.joints):
         driven = f"{len(robot.joints)} drives and {robot.nv} speeds"
-        raise InputError(f"robot {robot.name!r} has {driven}: identification needs a drive for each; lock the others")
+        raise InputError(
+            f"robot {robot.name!r} has {driven}: identification needs a drive for each speed; lock the others"
+        )
     period, channels = recording.period, _channels(robot, recording)
     sides = {name: channels[name] for name in ("q", "theta") if name in channels}
     if not sides:
@@ -83,7 +85,7 @@ def check_friction(function: str, robot: Robot) -> None:
     for joint, drive in robot.drives.items():
         for law in (drive.link_friction, drive.motor_friction):
             if law is not None and not isinstance(sliding_of(law), Sliding):
-                rule = "whose numbers cannot be sought: state Coulomb's or Stribeck's law, or bristles on one"
+                rule = "whose parameters cannot be identified: state Coulomb's or Stribeck's law, or bristles on one"
                 raise InputError(f"{function}: friction of {joint!r} is {type(law).__name__}, {rule}", joint=joint)
 
 
@@ -124,7 +126,7 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
     missing = [joint for joint in robot.joints if joint not in recording.joints]
     if missing:
         there = those_that_exist(missing[0], recording.joints)
-        rule = "map its channels, or lock it (--lock at the command line)"
+        rule = "map its channels, or lock it (--lock on the command line)"
         raise InputError(f"joint {missing[0]!r} was not recorded; {there}; {rule}")
     return recording.in_order(robot.joints).channels
 
@@ -134,7 +136,7 @@ def _refuse_empty(robot: Robot, channels: Mapping[str, Array]) -> None:
     for name, values in channels.items():
         for joint, x in zip(robot.joints, values.T, strict=True):
             if not np.isfinite(x).any():
-                rule = f"{name} of joint {joint!r} holds no number in the whole log"
+                rule = f"{name} of joint {joint!r} holds no numbers in the whole log"
                 raise InputError(f"{rule}: map another channel, or lock the joint", joint=joint)
 
 
@@ -143,7 +145,7 @@ def _telling(robot: Robot, name: str, values: Array) -> Array:
     _refuse_empty(robot, {name: values})
     changes = np.nanmax(values, axis=0) - np.nanmin(values, axis=0)
     if not changes.any():
-        raise InputError(f"{name} never changes in the whole log, of any joint: map another channel")
+        raise InputError(f"{name} never changes in the whole log for any joint: map another channel")
     dead = [joint for joint, change in zip(robot.joints, changes, strict=True) if change <= DEAD * changes.max()]
     if dead:
         rule = "never changes in the whole log: was it measured?  Map another channel, or lock the joint"
@@ -161,7 +163,7 @@ def _constant(robot: Robot, joint: str, given: Mapping[str, float]) -> float:
     if drive.motor is None:
         raise InputError(
             f"joint {joint!r}: only its current was recorded, and its drive has no motor with a torque constant; "
-            "state one, or give torque_constants={...} in N m at the joint for each ampere",
+            "state one, or give torque_constants={...} in N m at the joint per ampere",
             joint=joint,
         )
     return float(drive.motor.torque_constant * drive.ratio)

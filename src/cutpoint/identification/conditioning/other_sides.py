@@ -22,10 +22,10 @@ def with_other_sides(recording: Recording) -> Recording:
     for k, joint in enumerate(recording.joints):
         there = [name for name in sides if known[name][k]]
         if not there:
-            rule = "neither q nor theta holds a number: lock it, or record one"
+            rule = "neither q nor theta holds any number: lock the joint, or record one of them"
             raise InputError(f"joint {joint!r}: {rule}", joint=joint)
         if len(there) == 1:
             (own,), (other,) = there, sides.keys() - there
             sides[other][:, k] = sides[own][:, k]
-            notes.append(f"{joint}: {other} holds no number, {own} stands for it: its spring is not told")
+            notes.append(f"{joint}: {other} holds no numbers, so {own} stands in for it: its spring cannot be told")
     return replace(recording, **sides).with_notes(notes) if notes else recording

@@ -37,8 +37,8 @@ def without_spikes(recording: Recording) -> Recording:
     for name, values in channels.items():
         for joint, column in zip(recording.joints, values.T, strict=True):
             if count := _mended(recording.time, column):
-                rule = f"{count} samples stand out of their neighbours more than {FAR:g} times as far as others do"
-                notes.append(f"{name} of {joint}: {rule}; replaced by these")
+                rule = f"{count} samples differ from their neighbours over {FAR:g} times as much as most"
+                notes.append(f"{name} of {joint}: {rule}; interpolated")
     return replace(recording, **channels).with_notes(notes) if notes else recording
 
 

@@ -39,7 +39,7 @@ def stored_messages(path: Path) -> Iterator[Message]:
         return
     with path.open("rb") as file:
         if file.read(len(MAGIC)) != MAGIC:
-            raise ValueError("it does not begin as an MCAP does")
+            raise ValueError("it does not begin like an MCAP file")
         yield from _Mcap().messages(file)
 
 
@@ -53,16 +53,16 @@ def _from_sqlite(path: Path) -> Iterator[Message]:
         # as could a computed column
         query = "SELECT COUNT(*) FROM pragma_table_xinfo('topics') AS t, pragma_table_xinfo('messages') AS m"
         if base.execute(f"{query} WHERE t.hidden OR m.hidden").fetchone() != (0,):
-            raise ValueError("its tables 'topics' and 'messages' have columns that are computed")
+            raise ValueError("its tables 'topics' and 'messages' have computed columns")
         left = LARGEST_FILE
         query = "SELECT name, type, timestamp, data FROM messages JOIN topics ON topics.id = topic_id"
         for topic, kind, received, data in base.execute(query):
             if not (isinstance(received, int) and isinstance(data, bytes)):
-                raise ValueError("its messages are not bytes with a time")
+                raise ValueError("its messages are not bytes with a time stamp")
             message = Message(str(topic), str(kind), received, data)
             left -= len(message.topic) + len(message.type) + len(data) + MESSAGE_ITSELF
             if left < 0:
-                raise ValueError(f"its messages are more than {LARGEST_FILE:,} bytes")
+                raise ValueError(f"its messages exceed {LARGEST_FILE:,} bytes")
             yield message
 
 
@@ -108,24 +108,24 @@ class _Mcap:
         packed = _exactly(chunk, _number(chunk, 8))
         records = packed if packing == "" else _unpacker(packing).decompress(packed, size + 1)
         if len(records) != size:
-            raise ValueError(f"a chunk of {size:,} bytes unpacks to another size")
+            raise ValueError(f"a chunk does not unpack to its stated {size:,} bytes")
         return records
 
     def take(self, size: int) -> None:
         self.left -= size
         if self.left < 0:
-            raise ValueError(f"its messages, unpacked, are more than {LARGEST_FILE:,} bytes")
+            raise ValueError(f"its unpacked messages exceed {LARGEST_FILE:,} bytes")
 
 
 def _unpacker(packing: str) -> Any:
     if packing == "lz4":
-        return optional("lz4.frame", "an MCAP of this packing").LZ4FrameDecompressor()
+        return optional("lz4.frame", "an MCAP with this compression").LZ4FrameDecompressor()
     if packing != "zstd":
-        raise ValueError(f"a chunk is packed by {packing!r}: only lz4 and zstd are known")
+        raise ValueError(f"a chunk is compressed with {packing!r}: only lz4 and zstd are supported")
     try:
         return import_module("compression.zstd").ZstdDecompressor()  # Python 3.14 and later
     except ImportError:
-        return optional("backports.zstd", "an MCAP of this packing").ZstdDecompressor()
+        return optional("backports.zstd", "an MCAP with this compression").ZstdDecompressor()
 
 
 def _exactly(file: BinaryIO, size: int) -> bytes:
@@ -133,7 +133,7 @@ def _exactly(file: BinaryIO, size: int) -> bytes:
         raise ValueError(f"a record claims {size:,} bytes")
     found = file.read(size)
     if len(found) < size:
-        raise EOFError("it ends within a record")
+        raise EOFError("it ends in the middle of a record")
     return found
 
 

@@ -45,8 +45,8 @@ def at_common_times(
 def _ordered_together(times: Array, values: Mapping[str, Array], table: Table) -> Ordered:
     for name, each in values.items():
         if len(each) != len(times):
-            rule = f"it must have as many as the time has, {len(times)}"
-            raise InputError(f"{name} has {len(each)} samples: {rule}; is it another log's?", place=table.file)
+            rule = f"it must have as many as time, {len(times)}"
+            raise InputError(f"{name} has {len(each)} samples: {rule}; is it from another log?", place=table.file)
     return ordered(times, np.column_stack([*values.values()]), "/".join(values))
 
 
@@ -54,8 +54,8 @@ def _brought(name: str, values: Array, own: Ordered, common: Ordered, notes: lis
     """Values resampled from their own times to the common ones."""
     later = own.start - common.start
     if later > common.times[-1] or later + own.times[-1] < 0.0:
-        raise InputError(f"{name} was recorded {later:g} s after the first channel: they never ran together")
-    notes.append(f"{name}: brought to the times of the first channel, from a log of its own")
+        raise InputError(f"{name} was recorded {later:g} s after the first channel: the two do not overlap")
+    notes.append(f"{name}: brought from its own times to those of the first channel")
     return on_grid(own.times + later, values, common.times)
 
 
@@ -68,15 +68,15 @@ def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
     if name is None:
         remedy = "state 'time: {channel: ...}', or its 'period'"
         if text := time_channel(table.left_out):
-            rule = f"{table.missing(text)}, s, or date-times such as 2024-05-01 12:00:00.25"
+            rule = f"{table.missing(text)} in s, or date-times such as 2024-05-01 12:00:00.25"
             raise section.error(("time",), f"time: {rule}; write one of these, or state 'time: {{period: ...}}'")
-        raise section.error(("time",), f"no channel is named like a time; {remedy}")
+        raise section.error(("time",), f"no channel has a name that means time; {remedy}")
     channel = table.find(name)
     if channel is None or channel.width > 1:
         raise section.error(("time", "channel"), f"time: {table.missing(name)}")
     unit = sheet.unit or channel.unit or "s"
     if unit not in TIMES:
         known = listed(TIMES)
-        rule = f"time: channel {name!r} is in {unit!r}, of which no time is known; state time.unit, one of {known}"
+        rule = f"time: channel {name!r} is in {unit!r}, not a known unit of time; state time.unit, one of {known}"
         raise section.error(("time",), rule)
     return TIMES[unit] * channel.values

@@ -74,7 +74,7 @@ def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | Non
     units = ["" if cell in NO_UNIT else known_unit(cell) for cell in cells]
     if None in units:
         shown, wrong = ", ".join(cells[:8])[:200], cells[units.index(None)][:40]
-        rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; take it out, or mend it"
+        rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; remove or correct it"
         raise InputError(f"the line below the names holds {shown!r}: {rule}", place=place)
     return [unit or "" for unit in units]
 
@@ -100,5 +100,5 @@ def _named(titles: list[str], place: str) -> tuple[list[str], list[str]]:
     names = [name or f"column {k}" for k, (name, _) in enumerate(found)]
     for name, times in Counter(names).items():
         if times > 1:
-            raise InputError(f"column {name!r} is named twice: each must have a name of its own", place=place)
+            raise InputError(f"column {name!r} occurs twice: each name must be unique", place=place)
     return names, [unit for _, unit in found]

@@ -34,7 +34,7 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
     first = likeliest["q"] or likeliest["theta"]
     if not first:
         there = listed(table.channels)
-        rule = f"no channel is named like a position; give a mapping.  There are: {there}{table.besides}"
+        rule = f"no channel has a name that means position; give a mapping.  There are: {there}{table.besides}"
         raise InputError(rule, place=table.file)
     positions = groups[first].channels
     labels = _in_order(positions, joints)
@@ -91,16 +91,16 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
     if not set(labels) <= set(own):
         if not ((_are_numbers(labels) and _are_numbers(own)) or "" in (*first, *own)):
             lacking = next(label for label in labels if label not in own)
-            rule = f"none of them is named like {first[lacking]!r}; name them alike, or give a mapping"
+            rule = f"none of them matches {first[lacking]!r}; use matching names, or give a mapping"
             if set(own) <= set(labels):
-                rule += "; a joint that lacks one has a column without numbers"
+                rule += "; for a joint that lacks one, add a column without numbers"
             raise InputError(f"columns {listed(own.values())}: {rule}{table.besides}", place=table.file)
         labels = _in_order(own, ())
     found = [own[label] for label in labels]
     twin = next((name for name in found if name in group.twins), None)
     if twin:
-        rule = "nothing says which one was measured on this robot; give a mapping that does"
-        raise InputError(f"{twin!r} and {group.twins[twin]!r} are named alike: {rule}", place=table.file)
+        rule = "nothing says which was measured on this robot; state it in a mapping"
+        raise InputError(f"{twin!r} and {group.twins[twin]!r} have equivalent names: {rule}", place=table.file)
     return found
 
 

@@ -49,7 +49,7 @@ def load_mapping(path: str | Path) -> ChannelMap:
 
 def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mapping>") -> ChannelMap:
     """The mapping of a text, or of a dict of the same fields.  Raises ModelError."""
-    check_kind("parse_mapping", "content", content, (str, bytes, Mapping), "a text, or a dict of its fields")
+    check_kind("parse_mapping", "content", content, (str, bytes, Mapping), "text, or a dict of its fields")
     if isinstance(content, Mapping):
         document = Lineless("", _plain(content), {})
     else:
@@ -70,7 +70,7 @@ def _plain(given: Mapping[str, Any]) -> Any:
     try:
         return json.loads(json.dumps(dict(given)), parse_int=float)
     except (TypeError, ValueError, RecursionError) as error:
-        raise ModelError(f"mapping: it must hold texts, numbers, lists and dicts alone: {error}") from error
+        raise ModelError(f"mapping: it may hold only text, numbers, lists and dicts: {error}") from error
 
 
 def _check(mapping: ChannelMap) -> None:
@@ -79,11 +79,11 @@ def _check(mapping: ChannelMap) -> None:
     if sheet.version != VERSION:
         raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
     if not mapping.quantities:
-        raise section.error((), f"names no quantity; those that exist are {', '.join(QUANTITIES)}")
+        raise section.error((), f"names no quantity; there are: {', '.join(QUANTITIES)}")
     if sheet.time.period is not None and sheet.time.channel is not None:
-        raise section.error(("time",), "has both 'channel' and 'period'; state one of them")
+        raise section.error(("time",), "has both 'channel' and 'period'; state only one")
     if sheet.joints and len(set(sheet.joints)) < len(sheet.joints):
-        raise section.error(("joints",), f"joints {sheet.joints} must be names, each its own")
+        raise section.error(("joints",), f"joints {sheet.joints} must be distinct names")
     if sheet.ratio and 0.0 in sheet.ratio:
         raise section.error(("ratio",), "ratio must not be zero")
     for name, quantity in mapping.quantities.items():
@@ -92,7 +92,7 @@ def _check(mapping: ChannelMap) -> None:
 
 def _check_quantity(name: str, sheet: ChannelSheet, section: Section) -> None:
     if set(sheet.sign) - {1.0, -1.0}:
-        raise section.error((name, "sign"), f"{name}.sign {sheet.sign} must be 1 or -1; what scales goes into gain")
+        raise section.error((name, "sign"), f"{name}.sign {sheet.sign} must be 1 or -1; a scale factor goes into gain")
     if sheet.gain and 0.0 in sheet.gain:
         raise section.error((name, "gain"), f"{name}.gain must not be zero")
     for unit in sheet.unit or ():
@@ -106,7 +106,7 @@ def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> N
             raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'counts_per_turn'")
     elif unit in WITH_GAIN and unit not in UNITS[name]:
         if sheet.gain is None:
-            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'gain': what one {unit} is worth in SI")
+            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'gain': the SI value of one {unit}")
     elif unit not in UNITS[name]:
         known = listed(UNITS[name])
-        raise section.error((name, "unit"), f"{name}.unit {unit!r} is not known; there are {known}, or one with 'gain'")
+        raise section.error((name, "unit"), f"{name}.unit {unit!r} is not known; use {known}, or state 'gain'")

@@ -40,11 +40,11 @@ def check_nesting(array: memoryview, order: Any) -> None:
             to_come.pop()
             continue
         if place >= len(array):
-            raise ValueError("it ends within an array")
+            raise ValueError("it ends in the middle of an array")
         count += 1
         if len(to_come) > DEEPEST or count > MOST_ARRAYS:
             rule = f"its arrays nest deeper than {DEEPEST}, or have more than {MOST_ARRAYS:,} elements"
-            raise ValueError(f"{rule}; save the matrices of numbers alone")
+            raise ValueError(f"{rule}; save only the matrices of numbers")
         kind, size = (int.from_bytes(array[place + k : place + k + 4], order) for k in (0, 4))
         if kind != ARRAY:
             place = _element(array, place, order).end
@@ -65,7 +65,7 @@ def _held(array: memoryview, place: int, order: Any) -> tuple[int, int]:
     sizes = _element(array, place, order)
     place = _element(array, sizes.end, order).end
     if len(sizes.content) > 4 * MOST_DIMENSIONS:
-        raise ValueError(f"an array of it has more than {MOST_DIMENSIONS} dimensions")
+        raise ValueError(f"one of its arrays has more than {MOST_DIMENSIONS} dimensions")
     cells = math.prod(_number(sizes.content[k:], order) for k in range(0, len(sizes.content), 4))
     if kind not in (STRUCTURE, OBJECT):
         return {CELL: cells, FUNCTION: 1}.get(kind, 0), place

@@ -42,7 +42,7 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
     first = channels[0]
     for wanted, channel in zip(mapping.quantities[name].channels, channels, strict=True):
         if len(channel.values) != len(first.values) or channel.stamps is not first.stamps:
-            complaint = f"{name}: channel {wanted!r} was sampled at other times than those beside it"
+            complaint = f"{name}: channel {wanted!r} was not sampled at the same times as the others"
             raise mapping.section.error((name, "channels"), complaint)
     known: dict[int, str] = {}
     for wanted, channel in zip(mapping.quantities[name].channels, channels, strict=True):
@@ -50,7 +50,7 @@ def columns_of(name: str, mapping: ChannelMap, table: Table) -> Columns:
             start = column.__array_interface__["data"][0]
             if start in known:
                 rule = (
-                    f"{name}: {known[start]!r} and {wanted!r} are one column of the log; each joint must have its own"
+                    f"{name}: {known[start]!r} and {wanted!r} are the same column of the log; each joint needs its own"
                 )
                 raise mapping.section.error((name, "channels"), rule)
             known[start] = wanted
@@ -84,15 +84,15 @@ def check_kinds(
     if sheet.gain:
         return
     are_mixed = 0 < sum(joint in sliding for joint in joints) < len(joints)
-    remedy = "; unit may be a list, of one for each joint" if are_mixed else ""
+    remedy = "; unit may be a list, one for each joint" if are_mixed else ""
     for joint, unit in zip(joints, _units(name, columns, mapping), strict=True):
         if unit in TURNING and joint in sliding and sheet.side == "link":
             fitting = listed(each for each in UNITS[name] if each in SLIDING)
-            rule = f"{name}.unit {unit!r} is of joints that turn, and {joint!r} slides: it must be one of {fitting}"
+            rule = f"{name}.unit {unit!r} is for joints that turn, but {joint!r} slides: it must be one of {fitting}"
             raise mapping.section.error((name, "unit"), rule + remedy)
         if unit in SLIDING and joint not in sliding:
             fitting = listed(each for each in UNITS[name] if each not in SLIDING)
-            rule = f"{name}.unit {unit!r} is of joints that slide, and {joint!r} turns: it must be one of {fitting}"
+            rule = f"{name}.unit {unit!r} is for joints that slide, but {joint!r} turns: it must be one of {fitting}"
             raise mapping.section.error((name, "unit"), rule + remedy)
 
 
@@ -150,7 +150,7 @@ def _units(name: str, columns: Columns, mapping: ChannelMap) -> list[str]:
         check_unit(name, sheet, unit, mapping.section)
     stated = next((unit for unit in units if UNITS[name].get(unit) != 1.0), None)
     if stated and not sheet.unit and "" in columns.units:
-        rule = f"{name}: one of its columns states the unit {stated!r}, another none; state '{name}.unit' in a mapping"
+        rule = f"{name}: one column states the unit {stated!r}, another states none; state '{name}.unit' in a mapping"
         raise mapping.section.error((name, "unit"), rule)
     return units
 

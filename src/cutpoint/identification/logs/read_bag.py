@@ -37,7 +37,7 @@ def read_bag(path: Path) -> Table:
     except (*UNREADABLE, sqlite3.Error, MemoryError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"file is not a ROS 2 bag that can be read: {error}", place=path) from error
+        raise InputError(f"file is not a readable ROS 2 bag: {error}", place=path) from error
     if not channels:
         raise InputError(f"bag holds no {JOINT_STATE} and no {ARRAY}", place=path)
     return Table(str(path), channels)
@@ -51,7 +51,7 @@ def _files(path: Path) -> list[Path]:
     if not found:
         raise InputError("folder holds no .db3 and no .mcap; unpack the files if they end in .zstd", place=path)
     if len(found) > MOST_FILES:
-        raise InputError(f"folder holds {len(found):,} files of a bag: at most {MOST_FILES:,} are read", place=path)
+        raise InputError(f"folder holds {len(found):,} bag files: at most {MOST_FILES:,} are read", place=path)
     left = LARGEST_FILE
     for file in found:
         check_readable(file, left)
@@ -89,7 +89,7 @@ def _decoded(messages: Sequence[Message]) -> Iterator[tuple[int, str, Any]]:
         try:
             content = decode(message.data, message.type)
         except Exception as error:  # what a decoder raises on invalid bytes is not specified
-            raise ValueError(f"a message on {message.topic!r} is not what it says: {error!r}") from error
+            raise ValueError(f"a message on {message.topic!r} does not match its type: {error!r}") from error
         yield message.received, message.topic, content
 
 

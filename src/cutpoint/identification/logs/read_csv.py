@@ -30,8 +30,8 @@ def read_csv(path: Path) -> Table:
         with path.open(encoding="utf-8-sig", newline="") as text:
             return _read(text, path)
     except UnicodeDecodeError as error:
-        remedy = "save it as UTF-8, in Excel as 'CSV UTF-8'"
-        raise InputError(f"file is not UTF-8 text, but UTF-16 or Latin-1, or no text: {remedy}", place=path) from error
+        rule = "file is not UTF-8 text, but UTF-16, Latin-1 or not text at all"
+        raise InputError(f"{rule}: save it as UTF-8, in Excel as 'CSV UTF-8'", place=path) from error
     except csv.Error as error:
         raise InputError(f"file is not UTF-8 text in columns: {error}", place=path) from error
 
@@ -42,7 +42,8 @@ def _read(text: TextIO, path: Path) -> Table:
     for count, (line, row) in enumerate(_rows(header)):
         if cut_off or len(row) > cells.width:
             line, found = cut_off or (line, len(row))
-            raise InputError(f"{found} cells must be {cells.width}, as in the line of names", place=f"{path}:{line}")
+            rule = f"line has {found} cells: it must have {cells.width}, as the line of names"
+            raise InputError(rule, place=f"{path}:{line}")
         if len(row) < cells.width:
             cut_off = line, len(row)
             continue
@@ -57,7 +58,7 @@ def _read(text: TextIO, path: Path) -> Table:
     notes: list[str] = []
     if cut_off:
         line, found = cut_off
-        notes.append(f"line {line}, the last, was cut off, {found} of {cells.width} cells, and is left out")
+        notes.append(f"line {line}, the last, was cut off after {found} of {cells.width} cells and is left out")
     return cells.table(str(path), header.names, units, notes)
 
 

@@ -37,5 +37,5 @@ def read_hdf5(path: Path) -> Table:
     except InputError:
         raise
     except UNREADABLE as error:
-        raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
+        raise InputError(f"file is not a readable MATLAB file: {error}", place=path) from error
     return Table(str(path), channels)

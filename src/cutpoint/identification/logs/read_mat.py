@@ -42,7 +42,7 @@ def read_mat(path: Path) -> Table:
             warnings.simplefilter("ignore", DeprecationWarning)  # on sparse matrices: none is read
             found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
     except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
-        raise InputError(f"file is not a MATLAB file that can be read: {error}", place=path) from error
+        raise InputError(f"file is not a readable MATLAB file: {error}", place=path) from error
     channels = {name: channel(values) for name, values in _leaves("", found, DEEPEST)}
     return Table(str(path), {name: each for name, each in channels.items() if each is not None})
 

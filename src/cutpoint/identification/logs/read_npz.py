@@ -25,7 +25,7 @@ def read_npz(path: Path) -> Table:
         members = archive.infolist()
         check_size(sum(member.file_size for member in members), "archive", str(path))
         if len({member.filename for member in members}) < len(members):
-            raise ValueError("it holds two arrays of one name")
+            raise ValueError("it holds two arrays of the same name")
         names = [name for name in archive.namelist() if name.endswith(".npy")]
         found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
     channels = {name: channel(values) for name, values in found.items() if not isinstance(values, str)}
@@ -42,12 +42,12 @@ def opened_archive(path: Path) -> Generator[zipfile.ZipFile, None, None]:
         with zipfile.ZipFile(path) as archive:
             packings = {member.compress_type for member in archive.infolist()}
             if not packings <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
-                raise ValueError("it is compressed in another way than NumPy does")
+                raise ValueError("its compression is not one that NumPy uses")
             yield archive
     except InputError:
         raise
     except UNREADABLE as error:
-        rule = f"file is not an archive of NumPy arrays that can be read: {error}; copy it anew, or save it with NumPy"
+        rule = f"file is not a readable archive of NumPy arrays: {error}; copy it again, or save it with NumPy"
         raise InputError(rule, place=path) from error
 
 
@@ -58,7 +58,7 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | str:
         read = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
         shape, _, dtype = read[np.lib.format.read_magic(file)](file)
     if dtype.kind not in "fiub":
-        return {"O": OBJECTS, "U": "text", "S": "text"}.get(dtype.kind, f"{dtype}, no numbers")
+        return {"O": OBJECTS, "U": "text", "S": "text"}.get(dtype.kind, f"{dtype}, not numbers")
     if dtype.itemsize * int(np.prod(shape, dtype=object)) > member.file_size:
         raise ValueError(f"{name} of type {dtype} and shape {shape} is larger than its {member.file_size} bytes")
     with archive.open(member) as file:

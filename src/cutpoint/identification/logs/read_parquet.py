@@ -28,9 +28,9 @@ def read_parquet(path: Path) -> Table:
     except (pyarrow.ArrowException, OSError, ValueError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"file is not a Parquet file that can be read: {error}", place=path) from error
+        raise InputError(f"file is not a readable Parquet file: {error}", place=path) from error
     found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
-    left_out = {name: f"no numbers, but {kind}" for name, kind in kinds.items() if found.get(name) is None}
+    left_out = {name: f"{kind}, not numbers" for name, kind in kinds.items() if found.get(name) is None}
     return Table(str(path), {name: each for name, each in found.items() if each is not None}, left_out)
 
 

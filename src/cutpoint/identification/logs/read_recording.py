@@ -88,9 +88,11 @@ def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[s
 def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) -> ModelError:
     """Error for columns without joint names, in another number than the robot's joints."""
     name, sheet = next(iter(mapping.quantities.items()))
-    rule = f"{name} has {wide} columns, and the robot {len(driven)} driven joints, {listed(driven)}"
+    rule = f"{name} has {wide} columns, but the robot has {len(driven)} driven joints, {listed(driven)}"
     if wide < len(driven):
-        return mapping.section.error(("joints",), f"{rule}; state in the mapping whose they are, as 'joints'")
+        return mapping.section.error(("joints",), f"{rule}; state whose they are as 'joints' in the mapping")
     extra = sheet.channels[len(driven) :] if len(sheet.channels) == wide else ()
-    what = f"nothing says whose {listed(extra)} would be" if extra else "nothing says which are theirs"
-    return mapping.section.error((name, "channels"), f"{rule}: {what}; name theirs in a mapping, '{name}: [...]'")
+    what = f"nothing says whose {listed(extra)} are" if extra else "nothing says which belong to them"
+    return mapping.section.error(
+        (name, "channels"), f"{rule}: {what}; name the joints' columns in a mapping, '{name}: [...]'"
+    )

@@ -52,14 +52,14 @@ class Recording:
     def __post_init__(self) -> None:
         time = _frozen("time", self.time)
         if time.ndim != 1 or time.size < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
-            raise InputError(f"time of shape {time.shape} must be (N,), at least two, finite and increasing")
+            raise InputError(f"time of shape {time.shape} must be (N,), N at least 2, finite and increasing")
         joints = checked_names("Recording", self.joints)
         if not joints or len(set(joints)) < len(joints) or "" in joints:
-            raise InputError(f"joints {joints} must be names, each its own", joints=joints)
+            raise InputError(f"joints {joints} must be distinct names", joints=joints)
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "joints", joints)
         if not self.channels:
-            raise InputError(f"a recording needs one of {', '.join(QUANTITIES)}")
+            raise InputError(f"a recording needs at least one of {', '.join(QUANTITIES)}")
         for name, values in self.channels.items():
             object.__setattr__(self, name, _checked(name, values, (time.size, len(self.joints))))
 
@@ -85,7 +85,7 @@ class Recording:
         if np.abs(steps - period).max() > UNEVEN * period:
             raise InputError(
                 f"times are not uniform: steps from {steps.min():.3g} s to {steps.max():.3g} s; "
-                f"take recording.resampled({np.median(steps):.3g})"
+                f"use recording.resampled({np.median(steps):.3g})"
             )
         return period
 
@@ -95,7 +95,7 @@ class Recording:
         kept = (self.time >= start) & (self.time <= end)
         if kept.sum() < 2:
             span = f"from {self.time[0]:g} s to {self.time[-1]:g} s"
-            raise InputError(f"less than two samples from {start} s to {end} s: the recording runs {span}")
+            raise InputError(f"fewer than two samples from {start} s to {end} s: the recording runs {span}")
         return self.with_channels(lambda values: values[kept], time=self.time[kept])
 
     def resampled(self, period: float) -> "Recording":
@@ -108,7 +108,7 @@ class Recording:
         if np.ptp(steps) > UNEVEN * np.median(steps):
             note += f", with steps from {steps.min():.3g} to {steps.max():.3g} s"
         if near := int(close(self.time).sum()):
-            note += f"; {near} samples right after another count with that as one"
+            note += f"; {near} samples right after another are averaged with it"
         return self.with_channels(lambda values: on_grid(self.time, values, grid), time=grid).with_notes([note])
 
     def joint(self, name: str) -> "Recording":
@@ -147,7 +147,7 @@ def _checked(name: str, values: Any, shape: tuple[int, int]) -> Array:
     if found.shape != shape:
         raise InputError(f"channel {name!r} has shape {found.shape}: it must be {shape}, samples and joints")
     if np.isinf(found).any():
-        raise InputError(f"channel {name!r} holds infinite numbers: mark what is not known as NaN")
+        raise InputError(f"channel {name!r} holds infinite numbers: mark unknown ones as NaN")
     return found
 
 

@@ -30,7 +30,7 @@ FITS = 0.1
 """Tolerance of a factor that should be 1: noise and deflection have a smaller effect."""
 
 EXPLANATIONS = {
-    -1.0: "the sign of one is wrong",
+    -1.0: "a wrong sign",
     180.0 / math.pi: "degrees for radians",
     math.pi / 180.0: "radians for degrees",
     30.0 / math.pi: "rpm for rad/s",
@@ -56,9 +56,9 @@ def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> No
                     slide = [each in robot.mechanism.sliding for each in recording.joints]
                     told = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
                     if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
-                        told += f"; or it is the rotor's, before the gear of ratio {ratio:g}: side: motor"
+                        told += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
                     if name == "theta" and ratio == 1.0:
-                        told += "; or it is a rotor's, whose gear's ratio is missing: give its drive file"
+                        told += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
                     raise InputError(told, place=file or None, **error.evidence) from error
 
 
@@ -72,8 +72,8 @@ def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
     for value, words in EXPLANATIONS.items():
         if value > 0.0 and factors and all(abs(factor / value - 1.0) < FITS for factor in factors):
             told = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
-            remedy = "state the unit of either in a mapping, as in 'theta: {channels: ..., unit: ...}'"
-            raise InputError(f"{told}  Then {remedy}", place=file or None, factor=factors[0])
+            remedy = "state the unit of one in a mapping, as in 'theta: {channels: ..., unit: ...}'"
+            raise InputError(f"{told}  If so, {remedy}", place=file or None, factor=factors[0])
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
@@ -90,8 +90,8 @@ def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, i
     """slide: whether each joint of the recording is prismatic."""
     joint, x = recording.joints[j], recording[name][:, j]
     if is_rotor:
-        span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q: this is the rotor"
-        return f"{name} of joint {joint!r} runs {span}: in a mapping, '{name}: {{channels: ..., side: motor}}'"
+        span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q, so it is the rotor's"
+        return f"{name} of joint {joint!r} runs {span}: state '{name}: {{channels: ..., side: motor}}' in a mapping"
     counted = bool((_known(x) == np.round(_known(x))).all())
     si, own, unit = ("m", "mm", "mm") if slide[j] else ("rad", "deg", "degrees")
     others = [own if slides == slide[j] else "rad" if slide[j] else "m" for slides in slide]
@@ -99,7 +99,7 @@ def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, i
     if counted and not slide[j]:
         unit, which = "counts", "counts, counts_per_turn: ..."
     span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} {si}, far beyond its limits"
-    remedy = f"in a mapping, '{name}: {{channels: ..., unit: {which}}}'"
+    remedy = f"state '{name}: {{channels: ..., unit: {which}}}' in a mapping"
     return f"{name} of joint {joint!r} runs {span}; this looks like {unit}: {remedy}"
 
 
@@ -107,11 +107,11 @@ def suspicions(recording: Recording) -> list[str]:
     """A note on each thing that looks wrong, naming its joints."""
     notes: list[str] = []
     for name in recording.channels:
-        notes += _noted(recording, name, "holds no number", lambda x: not np.isfinite(x).any())
-        notes += _noted(recording, name, "misses some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)
+        notes += _noted(recording, name, "holds no numbers", lambda x: not np.isfinite(x).any())
+        notes += _noted(recording, name, "lacks some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)
         notes += _noted(recording, name, "never changes: was it measured?", _is_constant)
     for name in ("torque", "current"):
-        notes += _noted(recording, name, "stays at its extreme: was it cut off?", _is_cut_off)
+        notes += _noted(recording, name, "stays at its extreme: was it clipped?", _is_cut_off)
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: float(np.ptp(_known(x))) > TURNS * 2.0 * math.pi)
@@ -130,7 +130,7 @@ def _disagreements(recording: Recording) -> Iterator[str]:
         yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, time))
         lead = _known(theta - x)
         if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
-            yield f"theta of {joint!r} is always near {np.median(lead):.3g} rad (m) ahead of q: have both one zero?"
+            yield f"theta of {joint!r} leads q by about {np.median(lead):.3g} rad (m) throughout: do their zeros agree?"
 
 
 def _ways(time: Array, first: Array, second: Array) -> tuple[Array, Array]:

@@ -69,8 +69,8 @@ def without_long_gaps(times: Array, notes: list[str]) -> Array:
     if not far.any():
         return times
     first = int(np.argmax(far))
-    found = f"{far.sum()} gaps above {kept:.3g} s, the first, {steps[first]:.6g} s, at {times[first]:.6g} s"
-    notes.append(f"time: {found}; {kept:.3g} s are left of each, and later times are moved to earlier ones")
+    found = f"{far.sum()} gaps above {kept:.3g} s, the first of {steps[first]:.6g} s at {times[first]:.6g} s"
+    notes.append(f"time: {found}; each was cut to {kept:.3g} s, and later samples were moved earlier")
     return times - np.concatenate([[0.0], np.cumsum(np.where(far, steps - kept, 0.0))])
 
 
@@ -96,11 +96,11 @@ def _sorted(stamps: Array, rows: NDArray[np.intp], name: str, notes: list[str]) 
     worst = int(np.argmin(steps))
     if back.size < BAD * rows.size and -steps[worst] > SET_BACK * period:
         raise InputError(
-            f"{name}: time goes back by {-steps[worst]:.6g} s at sample {rows[worst + 1]}: a clock was set, "
-            "or two runs follow each other; cut the log there, and give one part",
+            f"{name}: time goes back by {-steps[worst]:.6g} s at sample {rows[worst + 1]}: a clock was set back, "
+            "or one run follows another; split the log there, and give one part",
             sample=int(rows[worst + 1]),
         )
-    notes.append(f"{name}: {back.size} of {rows.size} steps of time lead back; samples were sorted by time")
+    notes.append(f"{name}: {back.size} of {rows.size} time steps go back; samples were sorted by time")
     return rows[np.argsort(stamps[rows], kind="stable")]
 
 
@@ -112,9 +112,9 @@ def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, note
         rows = np.delete(rows, same)
     steps = np.diff(stamps[rows])
     if not (steps > 0.0).any():
-        raise InputError(f"{name}: time does not pass: every stamp is {stamps[rows[0]]:g} s")
+        raise InputError(f"{name}: time does not advance: every stamp is {stamps[rows[0]]:g} s")
     close = np.flatnonzero(steps < CLOSE * np.median(steps[steps > 0.0])) + 1
-    rule = f"{name}: samples at the time of another, or right after it"
+    rule = f"{name}: samples at the same time as another, or right after it"
     _leave_out(close.size, rows.size, rule, notes)
     return _enough(np.delete(rows, close), name)
 
@@ -143,12 +143,12 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
             f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
         )
     if period < FAST:
-        told = f"a period of {period:g} s is shorter than any log of a moving machine has"
+        told = f"a period of {period:g} s is too short for a log of a moving machine"
         notes.append(
-            f"{name}: {told}: are the times in a longer unit?  Then state it in a mapping, 'time: {{unit: ...}}'"
+            f"{name}: {told}: are the times in a longer unit?  If so, state it in a mapping, 'time: {{unit: ...}}'"
         )
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
-        told = f"a period of {period:g} s is slower than any log of a moving machine; are the times in {unit}?"
-        raise InputError(f"{name}: {told}  Then {remedy}", period=period)
+        told = f"a period of {period:g} s is too long for a log of a moving machine: are the times in {unit}?"
+        raise InputError(f"{name}: {told}  If so, {remedy}", period=period)

@@ -56,7 +56,7 @@ def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Seque
                 if np.isclose(spans[place], TURN):
                     x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
                 what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {spans[0]:.4g} rad at the joint,"
-                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were put together again")
+                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped")
                 break
     return found
 

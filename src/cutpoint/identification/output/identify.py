@@ -232,8 +232,8 @@ def _acting(recording: Recording, torque_delay: float) -> Recording:
         return recording
     # a torque that acts later than its stamp is stamped too early
     moved = aligned(recording, dict.fromkeys(recording.joints, -torque_delay), channels)
-    when = f"{'later' if torque_delay > 0.0 else 'earlier'} times by {1e3 * abs(torque_delay):.3f} ms"
-    return replace(moved, notes=(*recording.notes, f"{', '.join(channels)} moved to {when}, of all joints alike"))
+    when = f"{'later' if torque_delay > 0.0 else 'earlier'} by {1e3 * abs(torque_delay):.3f} ms"
+    return replace(moved, notes=(*recording.notes, f"{', '.join(channels)} moved {when}, for all joints alike"))
 
 
 def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
