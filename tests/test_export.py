@@ -89,13 +89,15 @@ def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) 
 
 def test_a_guard_needs_a_clock_that_single_precision_has_not(arm: cutpoint.Robot, tmp_path: Path) -> None:
     guarded = Guard(PD([1.0] * 6, [1.0] * 6), arm, torque_limit=200.0)
-    with pytest.raises(InputError, match=r"a Guard counts its deadlines by time, .* or export the law that it guards"):
+    with pytest.raises(
+        InputError, match=r"a Guard measures its deadlines by time, .* or export the law that it guards"
+    ):
         export_controller(arm, guarded, tmp_path, period=PERIOD, precision="float32")
     assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize(
-    ("gain", "told"), [(1e39, r"kp\[0\] is 1e\+39, and inf in"), (1e-46, r"kp\[0\] is 1e-46, and 0 in")]
+    ("gain", "told"), [(1e39, r"kp\[0\] is 1e\+39, but inf in"), (1e-46, r"kp\[0\] is 1e-46, but 0 in")]
 )
 def test_numbers_that_single_precision_loses_are_refused(
     arm: cutpoint.Robot, gain: float, told: str, tmp_path: Path
@@ -208,7 +210,7 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
     export_controller(tree, PD([1.0], [1.0]), tmp_path, period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
     assert "in   q: 1, not read; rad (m): driven" in header and "in   theta: 1, rad (m): driven" in header
-    assert "feedforward_torque: 1, N m (N), in torque already" in header
+    assert "feedforward_torque: 1, N m (N), already included in torque" in header
     assert f"to be called every {PERIOD:g} s" in header
 
 
@@ -217,7 +219,7 @@ def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot
     header = (tmp_path / "law.h").read_text()
     (told,) = re.findall(r"out  fault: a number, .*: (.*)", header)
     assert told.split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
-    assert re.search(r"in   memory: \d+, of the law: at first the table whose name ends in _memory", header)
+    assert re.search(r"in   memory: \d+, of the law: initially the table whose name ends in _memory", header)
     export_controller(arm, Summing(), tmp_path, period=PERIOD, name="law")
     assert not re.search("memory.*joint1", (tmp_path / "law.h").read_text())
 

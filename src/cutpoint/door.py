@@ -69,9 +69,9 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
     """The value as float64 of any shape; NaN and infinity are allowed.  Raises InputError.  rule: what it must be."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         remedy = "fill them in, or leave these rows out"
-        raise InputError(f"{function}: {name} has masked entries, every number must be there: {remedy}", name=name)
+        raise InputError(f"{function}: {name} has masked entries, but needs every number: {remedy}", name=name)
     if labels := _labels_of(value):
-        remedy = "put them in the order that is asked for, as in robot.joints, and hand over .to_numpy()"
+        remedy = "put them in the required order, as in robot.joints, and pass .to_numpy()"
         raise InputError(f"{function}: {name} has labels ({listed(labels)}), which are not read: {remedy}", name=name)
     try:
         return np.asarray(value).astype(np.float64, casting="same_kind", copy=False)
@@ -178,12 +178,12 @@ def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[
             raise unknown_name("driven joint", name, joints)
         check_drive(name, drive)
         if drive.is_elastic and drive.is_coupled and mechanism.coupled and _has_followers(mechanism):
-            rule = "full rotor coupling behind a bending drive does not go with coupled mimic joints"
-            raise ModelError(f"joint {name!r}: {rule}; read them as independent, or take 'reduced'", joint=name)
+            rule = "full rotor coupling behind an elastic drive cannot be combined with coupled mimic joints"
+            raise ModelError(f"joint {name!r}: {rule}; load them as independent, or use 'reduced'", joint=name)
         own, file = drive.limits, mechanism.bodies[joints[name]].joint.limits
         if max(own.lower, file.lower) > min(own.upper, file.upper):
-            apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}], have no place"
-            told = f"its drive's position limits, {apart} in common: change either"
+            apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}]"
+            told = f"its drive's position limits, {apart}, do not overlap: change either"
             raise ModelError(f"joint {name!r}: {told}", joint=name)
     return {name: drives.get(name, Drive()) for name in joints}
 

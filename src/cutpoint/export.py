@@ -68,7 +68,7 @@ def export_function(
     result = result_of(robot, function, **options)
     if to == "c" and (found := _as_loops(fresh, function)):
         if single:
-            told = f"of {robot.nv} degrees of freedom it leaves as loops, and these in double precision alone"
+            told = f"for {robot.nv} degrees of freedom it is exported as loops, which need double precision"
             raise InputError(f"{function}: {told} (precision='float64', --precision float64)", name=function)
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
@@ -105,8 +105,8 @@ def export_controller(
     period, single = positive("export_controller", "period", period, "s"), precision == "float32"
     has_guard = getattr(law, "reports_faults", False)
     if single and has_guard:
-        told = "a Guard counts its deadlines by time, whose steps in single precision outgrow a period within hours"
-        raise InputError(f"export_controller: {told}; say precision='float64', or export the law that it guards")
+        told = "a Guard measures its deadlines by time, whose steps in single precision exceed a period within hours"
+        raise InputError(f"export_controller: {told}; use precision='float64', or export the law that it guards")
     graph = replace(law_kernel(robot, law, name=name).graph, precision=PRECISIONS[precision])
     labels = [*labels_of(law, type(law).__name__), "control period, s"]
     values = {"parameters": Values(law_parameters(law, period), labels)}
@@ -145,7 +145,7 @@ def _check_bears(function: str, values: Mapping[str, Values], precision: str) ->
     for table in values.values():
         for x, label in zip(map(float, table.numbers), table.labels, strict=True):
             if np.isfinite(x) and (bool(rounded(x)) != bool(x) or np.isinf(rounded(x))):
-                told = f"{label} is {x:g}, and {rounded(x):g} in {precision}"
+                told = f"{label} is {x:g}, but {rounded(x):g} in {precision}"
                 raise InputError(f"{function}: {told}; export it in float64, or choose other units", name=label)
 
 

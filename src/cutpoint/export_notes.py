@@ -22,10 +22,10 @@ _UNITS = {
     "pose": "rotation and position (m) in the world", "energy": "J",
     "h": "linear (kg m/s), then angular momentum (kg m2/s) about the world's origin, along its axes",
     "q_dot": "rad/s (m/s)", "dt": "s", "time": "s, of the measurement, from any origin",
-    "memory": "of the law: at first the table whose name ends in _memory, then next_memory of the step before",
+    "memory": "of the law: initially the table whose name ends in _memory, then next_memory of the previous step",
     "next_memory": "the memory of the next step",
     "fault": "what a Guard found first: " + ", ".join(f"{fault.value} {fault.name.lower()}" for fault in Fault),
-    "feedforward_torque": "N m (N), in torque already",
+    "feedforward_torque": "N m (N), already included in torque",
     **dict.fromkeys(_POSITIONS, "rad (m)"), **dict.fromkeys(_SPEEDS, "rad/s (m/s)"),
     **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque"), "N m (N)"),
 }  # fmt: skip
@@ -34,7 +34,7 @@ PER_DRIVE = {*_POSITIONS, *_SPEEDS, "theta_ddot", "motor_torque", *ControlStep._
 _AXES = {
     "local": "along the frame's own axes",
     "local_world_aligned": "along the world's axes",
-    "world": "of the point of its body that passes the world's origin, along the world's axes",
+    "world": "of its body's point at the world's origin, along the world's axes",
 }
 """What `Robot.jacobian` can be expressed in."""
 
@@ -80,7 +80,7 @@ def notes_of(
 def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[str]) -> str:
     """Unit and order of an argument."""
     if name == "parameters":
-        return "numbers of the drives, and what else is listed below"
+        return "numbers of the drives, and others listed below"
     if name.startswith("wrench_"):
         return "on the robot: force (N), then moment (N m), at its frame's origin, along its axes"
     if name == "strains":
@@ -91,7 +91,7 @@ def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[s
     ordered = len(shape) == 1 and name not in ("h", "memory", "next_memory")
     order = _order(robot, name, shape[0], per_drive) if ordered else []
     if name in ("q", "q_next") and any("(3)" in entry for entry in order):
-        unit += "; of bodies that turn freely a quaternion x y z w of length 1, after the position if they move freely"
+        unit += "; for bodies that turn freely a quaternion x y z w of length 1, after the position if they move freely"
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
 
 

@@ -36,7 +36,7 @@ def check_target_file(path: Path, name: str = "output") -> None:
         if path.is_dir():
             raise InputError(f"{name} {str(path)!r} is a folder; name a file in it", path=path)
         if not path.parent.is_dir():
-            rule = f"folder {str(path.parent)!r} does not exist; make it, or name another"
+            rule = f"folder {str(path.parent)!r} does not exist; create it, or name another"
             raise InputError(f"{name} {str(path)!r}: {rule}", path=path)
         with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", dir=path.parent):
             pass
@@ -51,7 +51,7 @@ def check_target_folder(folder: Path, name: str = "output") -> None:
     with _told(folder, name):
         there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
         if not there.is_dir():
-            raise InputError(f"{name} {str(there)!r} is not a folder; name one, or a new one", output=folder)
+            raise InputError(f"{name} {str(there)!r} is not a folder; name an existing or a new one", output=folder)
         with tempfile.TemporaryDirectory(prefix=f".{folder.name}.", dir=there):
             pass
 
@@ -62,7 +62,7 @@ def _told(path: Path, name: str) -> Generator[None, None, None]:
     try:
         yield
     except OSError as error:
-        what = f"{name} {str(path)!r} cannot be written ({error.strerror}); name a place where files can be made"
+        what = f"{name} {str(path)!r} cannot be written ({error.strerror}); name a place where files can be created"
         raise InputError(what, path=path) from error
 
 

@@ -60,7 +60,7 @@ def load(
     if suffix not in (".mjcf", ".xml"):
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     if floating_base or mimic != "independent":
-        raise InputError("load: floating_base and mimic are for URDF files; an MJCF file says itself what floats")
+        raise InputError("load: floating_base and mimic are for URDF files; an MJCF file itself says what floats")
     if mend_inertia:
         raise InputError(
             'load: mend_inertia is for URDF files; state <compiler balanceinertia="true"/> in an MJCF file'
@@ -98,5 +98,5 @@ def _say_what_is_dropped(stated: Mapping[str, Drive], found: Mapping[str, Drive]
     told = [f"{what} of {', '.join(map(repr, names))}" for what, (names, _) in dropped.items() if names]
     if told:
         fields = " and ".join(repr(field) for names, field in dropped.values() if names)
-        rule = f"an entry replaces them: state {fields} there to have any ({place})"
-        warn(f"the robot file's {' and '.join(told)} do not count, {rule}", DroppedWarning)
+        rule = f"a drive's entry replaces them: state {fields} there to keep any ({place})"
+        warn(f"the robot file's {' and '.join(told)} are ignored, since {rule}", DroppedWarning)

@@ -73,7 +73,9 @@ class Robot:
             object.__setattr__(self, name, part)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
-        raise AttributeError(f"a Robot does not change, so its {name} is not set: with_drives and the like make others")
+        raise AttributeError(
+            f"a Robot is immutable, so its {name} cannot be set: with_drives and the like make new ones"
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """As it was made: machine code stays behind, a copy or what comes out of a pickle compiles anew."""
@@ -509,8 +511,8 @@ class Robot:
     def _check_told(self, function: str, name: str, whose: str) -> None:
         """Raises InputError if rotors turn with their carriers, and at speeds of their own."""
         if self.machine.system.has_sprung_rotors:
-            reason = "rotors with full coupling turn at speeds of their own, on links that turn"
-            raise InputError(f"{function}: give {name}= too, the {whose}' speeds: {reason}", name=name)
+            reason = "rotors with full coupling turn at their own speeds, on links that turn"
+            raise InputError(f"{function}: also give {name}=, the {whose}' speeds: {reason}", name=name)
 
     def _with(self, name: str, *extra: str) -> Callable[..., Any]:
         """A function with further inputs of these names."""
@@ -536,7 +538,7 @@ class Robot:
             return door.checked_array(name, "angle", angle, ratio.size) * ratio**direction
         if torque is not None and angle is None:
             return door.checked_array(name, "torque", torque, ratio.size) * ratio**-direction
-        raise InputError(f"{name}: give angle= or torque=, one of the two")
+        raise InputError(f"{name}: give either angle= or torque=, not both")
 
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())

@@ -188,7 +188,9 @@ def test_a_drive_file_comes_before_the_armature(tmp_path: Path, ending: str) -> 
     robot, drives = tmp_path / f"arm.{ending}", tmp_path / "arm.drives.yaml"
     robot.write_text(mjcf_text.ARM)
     drives.write_text("version: 1\ndrives: {shoulder: {ratio: 50, rotor: {inertia: 1e-5}}}")
-    told = r"the robot file's damping and friction of 'shoulder' do not count, an entry replaces them: state .*arm"
+    told = (
+        r"the robot file's damping and friction of 'shoulder' are ignored, since a drive's entry replaces them: .*arm"
+    )
     with pytest.warns(DroppedWarning, match=told):
         arm = cutpoint.load(robot, drives, lock={"elbow": 0.1}, gravity=(0, 0, -1.6))
     assert arm.drives["shoulder"] == Drive(50.0, Rotor(1e-5))

@@ -249,6 +249,6 @@ def test_random_positions_keep_to_the_drives_limits_too_which_must_leave_some() 
     q = arm.with_drives({"elbow": Drive(limits=Limits(-0.1, 3.0))}).random(0, 1000)
     assert -0.1 <= q.min() < 0.0 and 2.4 < q.max() <= 2.5
     with pytest.raises(
-        ModelError, match=r"its drive's position limits, \[4, 5\], and the robot's, \[-2, 2.5\], have no"
+        ModelError, match=r"its drive's position limits, \[4, 5\], and the robot's, \[-2, 2.5\], do not overlap"
     ):
         arm.with_drives({"elbow": Drive(limits=Limits(4.0, 5.0))})

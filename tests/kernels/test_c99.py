@@ -149,7 +149,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(folder: Path) -> None:
     kernel.to_c(folder)
     (folder / "CMakeLists.txt").write_text("project(mine)\n")
     before = (folder / "law.c").read_text()
-    with pytest.raises(InputError, match=r"CMakeLists.txt' was not written by cutpoint; .* or say force=True"):
+    with pytest.raises(InputError, match=r"CMakeLists.txt' was not written by cutpoint; .* or use force=True"):
         compile(lambda q: q * 3, name="law", q=()).to_c(folder)
     assert (folder / "law.c").read_text() == before and (folder / "CMakeLists.txt").read_text() == "project(mine)\n"
     assert kernel.to_c(folder, force=True)[0] == folder / "law.c"
@@ -161,7 +161,7 @@ def test_a_folder_holds_one_function(folder: Path) -> None:
     compile(lambda q: q * 2, name="law", q=()).to_c(folder)
     before = (folder / "CMakeLists.txt").read_text()
     other = compile(lambda q: q * 3, name="other", q=())
-    with pytest.raises(InputError, match=r"CMakeLists.txt' builds 'law', and a package holds one function; choose"):
+    with pytest.raises(InputError, match=r"CMakeLists.txt' builds 'law', but a package holds one function; choose"):
         other.to_c(folder)
     assert (folder / "CMakeLists.txt").read_text() == before and not (folder / "other.c").exists()
     other.to_c(folder, force=True)
@@ -191,7 +191,7 @@ def test_names_that_c_cannot_take_are_refused(name: str, argument: str, tmp_path
 
 
 def test_what_gives_no_numbers_is_not_exported(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"^nothing: it gives no numbers"):
+    with pytest.raises(InputError, match=r"^nothing: it returns no numbers"):
         compile(lambda x: [], name="nothing", x=2).to_c(tmp_path)
     assert not [*tmp_path.iterdir()]
 
@@ -214,7 +214,7 @@ OF_THE_LIBRARY = [
 @pytest.mark.parametrize("name", OF_THE_LIBRARY)
 def test_a_function_is_not_called_as_one_of_cs_library_is(name: str, tmp_path: Path) -> None:
     kernel = compile(lambda x: x * 2, name=name, x=())
-    with pytest.raises(InputError, match=r"has this name already: rename it|no word or macro of C"):
+    with pytest.raises(InputError, match=r"already uses this name: rename it|not be a keyword or macro of C"):
         kernel.to_c(tmp_path)
     assert not [*tmp_path.iterdir()]
 

@@ -149,27 +149,29 @@ def test_the_code_includes_and_calls_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("name", "argument"), [*NAMES, ("law", "count"), ("law", "threadIdx"), ("law", "cutpoint")])
 def test_names_that_cuda_cannot_take_are_refused(name: str, argument: str, tmp_path: Path) -> None:
     kernel = compile(lambda **given: given[argument] * 2, name=name, **{argument: ()})
-    with pytest.raises(InputError, match=r"cannot be a name in C|is a name that CUDA or the kernel itself has already"):
+    with pytest.raises(
+        InputError, match=r"cannot be a name in C|is a name that CUDA or the kernel itself already uses"
+    ):
         kernel.to_cuda(tmp_path)
     assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize("name", ["sin", "norm", "rsqrtf", "umin", "max", "normcdfinv", "dim3", "float3", "warpSize"])
 def test_a_function_is_not_called_as_one_of_cuda_is(name: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"has this name already: rename it"):
+    with pytest.raises(InputError, match=r"already uses this name: rename it"):
         compile(lambda x: x * 2, name=name, x=()).to_cuda(tmp_path)
     assert not [*tmp_path.iterdir()]
 
 
 def test_a_function_without_numbers_is_no_kernel_of_cuda(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"nothing: it gives no numbers; return one"):
+    with pytest.raises(InputError, match=r"nothing: it returns no numbers; return at least one"):
         compile(lambda x: [], name="nothing", x=2).to_cuda(tmp_path)
     assert not [*tmp_path.iterdir()]
 
 
 def test_an_input_named_as_anothers_step_is_refused(tmp_path: Path) -> None:
     kernel = compile(lambda q, q_step: q * q_step, name="law", q=(), q_step=())
-    with pytest.raises(InputError, match="'q_step' is a name that CUDA or the kernel itself has already"):
+    with pytest.raises(InputError, match="'q_step' is a name that CUDA or the kernel itself already uses"):
         kernel.to_cuda(tmp_path)
 
 
@@ -188,7 +190,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(tmp_path: Path) -> Non
     kernel.to_cuda(tmp_path)
     kernel.to_cuda(tmp_path)
     (tmp_path / "law.cuh").write_text("mine\n")
-    with pytest.raises(InputError, match=r"law.cuh' was not written by cutpoint; .* or say force=True"):
+    with pytest.raises(InputError, match=r"law.cuh' was not written by cutpoint; .* or use force=True"):
         compile(lambda q: q * 3, name="law", q=()).to_cuda(tmp_path)
     assert "0x1.0000000000000p+1" in (tmp_path / "law.cu").read_text()
     assert kernel.to_cuda(tmp_path, force=True) == (tmp_path / "law.cu", tmp_path / "law.cuh")
@@ -333,7 +335,7 @@ def test_shapes_that_do_not_fit_are_refused(stand_in: StandIn) -> None:
 
 MASKED = np.ma.array([1.0, 2.0], mask=[True, False])
 WRONG = [
-    (MASKED, "q has masked numbers"), (["1", "2"], "q holds <U1, it must hold real numbers"),
+    (MASKED, "q has masked numbers"), (["1", "2"], "q holds <U1, but must hold real numbers"),
     (np.zeros(2, "M8[s]"), "q holds datetime64"), ([[1], [2, 3]], "q is not an array"),
     ([10**400, 1], "q holds Python objects"),
 ]  # fmt: skip

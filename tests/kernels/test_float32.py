@@ -129,9 +129,9 @@ def test_what_is_given_in_other_precisions_is_rounded_without_a_warning(kernel: 
 
 def test_what_is_no_real_number_is_refused(kernel: Kernel) -> None:
     q, v, M = (x[0] for x in batch(1))
-    with pytest.raises(InputError, match="q holds complex64, it must hold real numbers"):
+    with pytest.raises(InputError, match="q holds complex64, but must hold real numbers"):
         kernel(q * 1j, v, M)
-    with pytest.raises(InputError, match="v holds <U1, it must hold real numbers"):
+    with pytest.raises(InputError, match="v holds <U1, but must hold real numbers"):
         kernel(q, "x", M)
     with pytest.raises(InputError, match=r"q has shape \(6,\), its last axis must be 7"):
         kernel(q[:6], v, M)
@@ -143,7 +143,7 @@ def test_results_go_to_arrays_of_either_precision_and_to_no_others(kernel: Kerne
     for dtype in (np.float32, np.float64):
         out = np.empty(expected.shape, dtype)
         assert kernel(*rows, out=out) is out and np.array_equal(out, expected)
-    with pytest.raises(InputError, match="out for result is of int64, it must be of floats"):
+    with pytest.raises(InputError, match="out for result is of int64, but must be of floats"):
         kernel(*rows, out=np.empty(expected.shape, int))
 
 

@@ -192,7 +192,7 @@ def test_arguments_that_do_not_fit_are_refused(function: Any) -> None:
         function(np.zeros(3), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match=r"both: leading axes do not broadcast: q \(4,\), v \(3,\), M \(\)"):
         function(np.zeros((4, 2)), np.zeros(3), np.zeros((2, 3)))
-    with pytest.raises(InputError, match="both: q holds complex128, it must hold real numbers"):
+    with pytest.raises(InputError, match="both: q holds complex128, but must hold real numbers"):
         function(np.zeros(2, complex), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match="both: M missing; it takes q, v, M"):
         function(np.zeros(2), 0.0)

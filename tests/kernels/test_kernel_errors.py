@@ -30,18 +30,18 @@ CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
     (lambda k: k(ZEROS, 0, T.T), "T has shape (3, 2), its last axes must be (2, 3)"),
     (lambda k: k(ZEROS, np.zeros(3), T), "leading axes do not broadcast: q (4,), v (3,), T ()"),
     (lambda k: k(ZEROS, 0), "T missing; it takes q, v, T"),
-    (lambda k: k(ZEROS, 0, T, T), "4 arguments given, it takes 3: q, v, T"),
+    (lambda k: k(ZEROS, 0, T, T), "4 arguments given, but it takes 3: q, v, T"),
     (lambda k: k(ZEROS, 0, T=T, w=0), "no input of inverse_dynamics is named 'w'; there are: 'q', 'v', 'T'"),
     (lambda k: k(ZEROS, 0, T=T, q=ZEROS), "q is given twice"),
     (lambda k: k(ZEROS * 1j, 0, T), "q holds complex128"),
     (lambda k: k(["a"] * 6, 0, T), "q holds <U1"),
     (lambda k: k([None] * 6, 0, T), "q holds NoneType"),
     (lambda k: k([[1, 2], [3]], 0, T), "q is not an array"),
-    (lambda k: k([2**70, 1, 1, 1, 1, 1], 0, T), "q holds Python objects (int), which no array of floats took in"),
-    (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "result has shape (4, 5), it must be an array of shape (4, 6)"),
-    (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, it must hold 1: result"),
+    (lambda k: k([2**70, 1, 1, 1, 1, 1], 0, T), "q holds Python objects (int), not floats"),
+    (lambda k: k(ZEROS, 0, T, out=ZEROS[:, 1:]), "result has shape (4, 5), but must be an array of shape (4, 6)"),
+    (lambda k: k(ZEROS, 0, T, out=(ZEROS, ZEROS)), "out holds 2 arrays, but must hold 1: result"),
     (lambda k: k(ZEROS, 0, T, out=[0]), "out for result is a list"),
-    (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "out for result is of int64, it must be of floats"),
+    (lambda k: k(ZEROS, 0, T, out=np.zeros((4, 6), int)), "out for result is of int64, but must be of floats"),
 ]  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def test_no_wrong_argument_reaches_machine_code(kernel: Kernel, case: int) -> No
 
 
 def test_a_kernel_cannot_be_traced(kernel: Kernel) -> None:
-    with pytest.raises(InputError, match="call the function that it was made of"):
+    with pytest.raises(InputError, match="call the function that it was made from"):
         compile(lambda x: kernel([x] * 6, x, [[x] * 3] * 2), x=())
 
 
@@ -70,7 +70,7 @@ DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(lambda x: x, x=(2, -1)), InputError, "shape (2, -1)"),
     (lambda: compile(lambda x: x, x=2.5), InputError, "shape 2.5"),  # type: ignore[arg-type]
     (lambda: compile(lambda x: x, x=1, name=2), InputError, "name=2 must be a string"),
-    (lambda: compile(lambda x, out: x, x=1, out=1), InputError, "take out= themselves"),
+    (lambda: compile(lambda x, out: x, x=1, out=1), InputError, "have their own out=; rename the input"),
     (lambda: compile(lambda x: x, y=1), InputError, "its parameters are not the inputs ['y']"),
     (lambda: compile(lambda x: x, x=1, backend="fortran"), InputError, "no backend is named 'fortran'"),
     (lambda: compile(lambda x: [x, [x]], x=()), TraceError, "'result' is ragged"),
@@ -79,8 +79,12 @@ DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(max, x=()), InputError, "max: its parameters are not known; compile lambda x: max(...)"),
     (lambda: compile(lambda x: x * 10**400, x=()), TraceError, "at most 1.8e+308; this int is larger"),
     (lambda: compile(lambda x: [x, 10**400], x=()), TraceError, "at most 1.8e+308; this int is larger"),
-    (lambda: compile(jacobian_of(total, with_respect_to=[]), x=()), InputError, "names no input; leave the argument"),
-    (lambda: compile(jacobian_of(total, of=[]), x=()), InputError, "leave the argument out for all of them: result"),
+    (
+        lambda: compile(jacobian_of(total, with_respect_to=[]), x=()),
+        InputError,
+        "names no input; leave out the argument",
+    ),
+    (lambda: compile(jacobian_of(total, of=[]), x=()), InputError, "leave out the argument for all of them: result"),
 ]
 
 
@@ -108,9 +112,9 @@ def test_arrays_for_several_outputs_are_a_tuple(backend: str, empty: bool) -> No
     kernel = compile(lambda x: Two(x, [] if empty else [x]), name="two", x=(), backend=backend)
     arrays = [np.empty(4), np.empty((4, 0 if empty else 1))]
     assert kernel(np.arange(4.0), out=(*arrays,)).second is arrays[1]
-    with pytest.raises(InputError, match=r"two: out is a list, it must be a tuple of 2 arrays: first, second"):
+    with pytest.raises(InputError, match=r"two: out is a list, but must be a tuple of 2 arrays: first, second"):
         kernel(np.arange(4.0), out=arrays)
-    with pytest.raises(InputError, match=r"out for second is a list, it must be an array of shape"):
+    with pytest.raises(InputError, match=r"out for second is a list, but must be an array of shape"):
         kernel(np.arange(4.0), out=(arrays[0], []))
 
 
@@ -122,7 +126,7 @@ def test_a_missing_llvm_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_numbers_that_a_kernel_would_shorten_are_named() -> None:
     half = compile(lambda x: x / 2, name="half", x=(), backend="llvm")
-    with pytest.raises(InputError, match=r"half: x holds float\d+, more than float64 keeps; hand it np.asarray"):
+    with pytest.raises(InputError, match=r"half: x holds float\d+, more precise than float64; pass np.asarray"):
         half(np.longdouble(1))
 
 

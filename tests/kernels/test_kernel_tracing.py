@@ -93,7 +93,7 @@ def test_arrays_of_traced_numbers_are_compared_as_objects() -> None:
         return [where(c, 1.0, 0.0) for c in np.greater(np.array(q), np.ones(2), dtype=object)]
 
     assert compile(above, q=2)([0.0, 2.0]).tolist() == [0.0, 1.0]
-    with pytest.raises(TraceError, match=r"of arrays element by element, or np\.less"):
+    with pytest.raises(TraceError, match=r"for arrays element by element, or with np\.less"):
         graph_of(lambda q: [*(np.array(q) < np.ones(2))], q=2)
 
 
@@ -119,7 +119,7 @@ REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     "equal": (lambda x, y: x == y, "no meaning"),
     "different": (lambda x, y: x != y, "no meaning"),
     "member": (lambda x, y: x in [y], "no meaning"),
-    "modulo": (lambda x, y: x % 2, "wrap an angle x by 2 * cutpoint.atan(cutpoint.tan(x / 2))"),
+    "modulo": (lambda x, y: x % 2, "wrap an angle x with 2 * cutpoint.atan(cutpoint.tan(x / 2))"),
     "power": (lambda x, y: x**1.5, "whole"),
     "traced power": (lambda x, y: x**y, "constant"),
     "to a power": (lambda x, y: 2**x, "exp"),

@@ -218,6 +218,6 @@ def test_packs_that_cannot_be_made_are_told_of_once_and_done_without(monkeypatch
     monkeypatch.setattr(packs, "pack_loop", fails)
     kernel = compile(lambda q: q * q + 1.2345678, name="unpacked", q=())
     q = np.linspace(-1.0, 1.0, LONG)
-    with pytest.warns(UserWarning, match=r"unpacked: batches go element by element, .*: no memory for code") as caught:
+    with pytest.warns(UserWarning, match=r"unpacked: batches run element by element, .*: no memory for code") as caught:
         first = kernel(q)
     assert len(caught) == 1 and np.array_equal(first, kernel(q)) and np.array_equal(first[:1], [kernel(q[0])])

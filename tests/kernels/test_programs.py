@@ -187,13 +187,13 @@ def read_only() -> np.ndarray:
 
 SHARED = np.zeros(4)
 WRONG_ARRAYS: list[tuple[dict[str, Any], str]] = [
-    ({"x": np.zeros(3)}, "region 'x' has 2 slots, its array holds 3 numbers"),
+    ({"x": np.zeros(3)}, "region 'x' has 2 slots, but its array holds 3 numbers"),
     ({"x": np.zeros(2, np.float32)}, "region 'x' must be an array of float64, not float32"),
     ({"x": np.zeros(2, ">f8")}, "float64"),
     ({"x": [0.0, 0.0]}, "not list"),
     ({"x": strided("x")}, "C-contiguous"),
     ({"x": read_only()}, "read-only"),
-    ({"log": np.zeros((8, 3))}, "region 'log' streams: its array has shape (8, 3), it must have at least 9 rows of 3"),
+    ({"log": np.zeros((8, 3))}, "region 'log' streams: its array has shape (8, 3), but must have at least 9 rows of 3"),
     ({"log": np.zeros(27)}, "at least 9 rows of 3"),
     ({"log": np.zeros((9, 4))}, "at least 9 rows of 3"),
     ({"rk": np.zeros((3, 2))}, "at least 4 rows of 2"),
@@ -240,7 +240,7 @@ UNSOUND: list[tuple[Callable[[], Loop], type[Exception], str]] = [
     (lambda: Loop(None, (COPY,)), InputError, "number or a name"),  # type: ignore[arg-type]
     (lambda: Loop(1, (keep,)), InputError, "not a function"),  # type: ignore[arg-type]
     (lambda: Loop(1, (Stage(keep, ("x",), ()),)), InputError, "at least one region"),
-    (lambda: Loop(1, (Stage(lambda x: (x, x), ("x",), ("x", "x")),)), InputError, "each but once"),
+    (lambda: Loop(1, (Stage(lambda x: (x, x), ("x",), ("x", "x")),)), InputError, "each only once"),
     (lambda: Loop(1, (Stage(lambda x: x[:1], ("x",), ("x",)),)), TraceError, "returns 1 for region 'x' of 2 slots"),
     (lambda: Loop(1, (Stage(lambda x: x[0], ("x",), ("x",)),)), TraceError, "returns a Traced for region 'x'"),
     (lambda: Loop(1, (Stage(lambda x: x, ("x",), ("x", "flag")),)), TraceError, "returns a Traced for region 'x'"),
@@ -321,7 +321,9 @@ def test_lanes_side_by_side_are_lanes_one_after_another_to_the_last_bit(backend:
 
 def test_a_laned_stage_writes_only_regions_with_as_many_lanes() -> None:
     body = [Stage(push, ("x", "v", "k", "pull", "held"), ("pull",), 3)]
-    with pytest.raises(InputError, match=r"a stage of 3 lanes writes region 'pull', which has 1; they must be as many"):
+    with pytest.raises(
+        InputError, match=r"a stage of 3 lanes writes region 'pull', which has 1; the numbers must match"
+    ):
         compile_program(Loop(1, body), LANED)
 
 

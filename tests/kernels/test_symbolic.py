@@ -133,7 +133,7 @@ def test_torques_of_a_two_joint_arm_are_those_of_lagranges_equations() -> None:
 
 def test_two_numbers_of_one_symbol_are_refused() -> None:
     kernel = compile(lambda q, q_0: [q[0], q_0], q=1, q_0=(), name="law")
-    with pytest.raises(InputError, match="law: 'q_0' would be the symbol of two inputs: rename one"):
+    with pytest.raises(InputError, match="law: 'q_0' would be the symbol for two inputs: rename one"):
         kernel.to_sympy()
 
 

@@ -50,7 +50,7 @@ def test_nothing_that_a_robot_holds_or_hands_out_can_be_written_to(other: str) -
     for mapping in (ours.drives, ours.mechanism.frames):
         with pytest.raises(TypeError, match="does not support item assignment"):
             mapping["joint1"] = 3  # pyright: ignore[reportIndexIssue]
-    with pytest.raises(AttributeError, match="a Robot does not change, so its drives is not set: with_drives"):
+    with pytest.raises(AttributeError, match="a Robot is immutable, so its drives cannot be set: with_drives"):
         ours.drives = {}
     ours.drive_coefficients["stiffness.joint6"] = 0.0
     assert ours.drive_coefficients["stiffness.joint6"] > 0.0

@@ -178,7 +178,7 @@ def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
     assert_pinocchios(ours, model, data, q, v, a)
     derivatives.forward_dynamics(robot, q, v, a)
     for name in ("inverse_dynamics_derivatives", "forward_dynamics_derivatives"):
-        with pytest.raises(InputError, match=rf"{name}: of 31 bodies it runs as loops over them, .*: lock joints"):
+        with pytest.raises(InputError, match=rf"{name}: with 31 bodies it runs as loops over them, .*: lock joints"):
             robot.kernel(name)
     zero = np.where(np.arange(robot.nq) < 7, 0.0, q)
     with pytest.raises(InputError, match="inverse_dynamics_derivatives: the quaternion of joint 'base' is zero"):
@@ -330,7 +330,7 @@ def test_coriolis_matrices_of_large_robots_take_the_bias_from_gravity(mechanism:
 
 @pytest.mark.parametrize("name", ["regressor", "velocity_map"])
 def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced(name: str) -> None:
-    """With a joint that loops do not take."""
+    """With a joint that loops do not support."""
     robot, inputs = Robot(chain(400, ("revolute",) * 399 + ("planar",))), {"regressor": 3, "velocity_map": 1}
     with pytest.raises(InputError, match=rf"{name}: of 400 bodies it takes far more than 200000 operations"):
         getattr(robot, name)(*[np.zeros(robot.nv)] * inputs[name])

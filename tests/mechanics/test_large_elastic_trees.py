@@ -202,14 +202,16 @@ def test_loops_let_friction_s_rates_through_springs() -> None:
 
 def test_a_robot_that_nothing_takes_is_told_why() -> None:
     machine = coupled(random_tree(9, 1001)).machine
-    with pytest.raises(InputError, match=r"1001 bodies .* loops do not take rotors with full coupling behind springs"):
+    with pytest.raises(
+        InputError, match=r"1001 bodies .* loops do not support rotors with full coupling behind springs"
+    ):
         rolled((INVERSE, False, False, True), machine, "llvm")
-    with pytest.raises(InputError, match=r"loops do not take strains"):
+    with pytest.raises(InputError, match=r"loops do not support strains"):
         rolled((INVERSE, True, False, False), machine, "llvm")
     errors = [KinematicError((Harmonic(order, 1e-5, 0.0),)) for order in range(1, 7)]
     kinds = {f"joint{k}": replace(linear(np.random.default_rng(k)), kinematic_error=x) for k, x in enumerate(errors)}
     machine = Robot(random_tree(9, 1001), kinds).machine
-    with pytest.raises(InputError, match=r"loops do not take drives of 7 structures, but 6 at most"):
+    with pytest.raises(InputError, match=r"loops do not support drives of 7 structures, more than 6"):
         rolled(FORWARD, machine, "llvm")
 
 

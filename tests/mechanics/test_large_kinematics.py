@@ -87,7 +87,7 @@ def test_only_frames_far_out_are_found_by_loops(key: Any) -> None:
 def test_a_function_of_frames_that_loops_has_no_kernel() -> None:
     robot = Robot(chain(200))
     robot.jacobian(robot.neutral(), "link199")
-    with pytest.raises(InputError, match="jacobian: of 200 bodies it runs as loops over them, and has no kernel"):
+    with pytest.raises(InputError, match="jacobian: with 200 bodies it runs as loops over them and has no kernel"):
         robot.kernel("jacobian")
     robot.jacobian(robot.neutral(), "link3")
     assert robot.kernel("jacobian").operations

@@ -277,11 +277,11 @@ def test_a_tree_too_large_for_straight_line_code_says_what_loops_do_not_take() -
     mechanism = chain(1001, ("revolute",) * 7 + ("spherical",))
     robot = Robot(mechanism)
     with pytest.raises(
-        InputError, match=r"1001 bodies are too many .* loops do not take the joint of 'link7', of kind"
+        InputError, match=r"1001 bodies are too many .* loops do not support the joint of 'link7', of kind"
     ):
         robot.inverse_dynamics(np.zeros(robot.nq), np.zeros(robot.nv), np.zeros(robot.nv))
     q, v, a = states(Robot(chain(1001)))
-    with pytest.raises(InputError, match="loops do not take external wrenches"):
+    with pytest.raises(InputError, match="loops do not support external wrenches"):
         Robot(chain(1001)).inverse_dynamics(q, v, a, external={"link5": np.ones(6)})
 
 

@@ -130,7 +130,9 @@ def test_rotors_that_ride_on_bending_joints_take_two_derivatives_each(joints: tu
     assert ours.derivatives_needed == needed
     for function in (ours.elastic_inverse_dynamics, lambda *x: derivatives.elastic_inverse_dynamics(ours, *x)):
         for surplus in (Z, NAN, "nonsense"):
-            with pytest.raises(InputError, match=rf"{needed} derivatives .* {needed + 1} are given; strains .* name"):
+            with pytest.raises(
+                InputError, match=rf"{needed} derivatives .* {needed + 1} are given; pass strains .* by name"
+            ):
                 function(*[Z] * (needed + 1), surplus)  # pyright: ignore[reportArgumentType]
         if needed > 4:
             with pytest.raises(InputError, match=rf"2 more derivatives .* derivative_{needed} missing"):
@@ -148,7 +150,7 @@ def test_strains_by_position_are_refused_where_they_would_be_taken_for_a_derivat
     arm = robot("xia2019", "numpy")
     drives = {n: replace(d, hysteresis=MaxwellSlip((500.0,), (1e-3,))) for n, d in arm.drives.items()}
     ours, strains = arm.with_drives(drives), np.full(6, 1e-3)
-    with pytest.raises(InputError, match=r"strains and options go by name, as in strains=\.\.\."):
+    with pytest.raises(InputError, match=r"pass strains and options by name, as in strains=\.\.\."):
         ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z, strains)
     held = ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z, strains=strains)
     assert np.abs(held.theta - ours.elastic_inverse_dynamics(Z, Z, Z, Z, Z).theta).min() > 1e-6

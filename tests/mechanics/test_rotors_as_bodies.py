@@ -266,9 +266,9 @@ def test_motor_power_is_the_rate_of_all_energy_with_spinning_rotors_behind_sprin
 
 def test_energy_and_momentum_of_spinning_rotors_are_refused_without_the_speeds_they_take() -> None:
     ours, q = Robot(random_arm(0), rotor_drives(0, elastic=True)), np.zeros(N)
-    with pytest.raises(InputError, match=r"elastic_energy: give v= too, the links' speeds: rotors with full coupling"):
+    with pytest.raises(InputError, match=r"elastic_energy: also give v=, the links' speeds: rotors with full coupling"):
         ours.elastic_energy(q, q, q)
-    with pytest.raises(InputError, match=r"momentum: give theta_dot= too, the motors' speeds: rotors with full coup"):
+    with pytest.raises(InputError, match=r"momentum: also give theta_dot=, the motors' speeds: rotors with full coup"):
         ours.momentum(q, q)
 
 

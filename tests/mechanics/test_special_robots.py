@@ -42,7 +42,7 @@ CALLS: dict[str, Call] = {
 
 
 def refusal(name: str, joint: str, where: str = "") -> str:
-    return rf"^{name}: the quaternion of joint '{joint}' is zero in q{where}; robot.neutral\(\) is a start$"
+    return rf"^{name}: the quaternion of joint '{joint}' is zero in q{where}; start from robot.neutral\(\)$"
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

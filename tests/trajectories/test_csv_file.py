@@ -44,8 +44,11 @@ def test_millimetres_are_converted_too(tmp_path: Path):
 @pytest.mark.parametrize(
     ("header", "message"),
     [
-        ("t,turns [m],lift [m]", r"'turns' is in 'm': it turns, its positions must be in 'deg' or 'rad' \(.*csv:1\)"),
-        ("t,turns,lift [rad]", r"'lift' is in 'rad': it slides, its positions must be in 'mm' or 'm' \(.*csv:1\)"),
+        (
+            "t,turns [m],lift [m]",
+            r"'turns' is in 'm': it turns, so its positions must be in 'deg' or 'rad' \(.*csv:1\)",
+        ),
+        ("t,turns,lift [rad]", r"'lift' is in 'rad': it slides, so its positions must be in 'mm' or 'm' \(.*csv:1\)"),
         (
             "t,turns,lift",
             r"'lift': position 350.0 looks like millimetres; .* 'lift \[mm\]' or 'lift \[m\]' \(.*csv:2\)",
@@ -81,19 +84,22 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         (GOOD, r"first line '0, 1' must name the columns"),
         ("elbow,t\n" + GOOD, r"first line 'elbow, t' must name the columns"),
         ("x,elb\x1bow\x9b\n", r"first line 'x, elb\\x1bow\\x9b' must name the columns"),
-        ("t,elb\x1b[31mow\n", r"column 'elb\\x1b\[31mow' must be a name, or one and its unit, as in 'elbow \[deg\]'"),
-        ("t [s,elbow\n" + GOOD, r"column 't \[s' must be a name, or one and its unit, .* \(.*motion.csv:1\)"),
+        (
+            "t,elb\x1b[31mow\n",
+            r"column 'elb\\x1b\[31mow' must be a name, or a name and its unit, as in 'elbow \[deg\]'",
+        ),
+        ("t [s,elbow\n" + GOOD, r"column 't \[s' must be a name, or a name and its unit, .* \(.*motion.csv:1\)"),
         ("t,elbow [deg\n" + GOOD, r"column 'elbow \[deg' must be a name"),
         ("t,elbow deg]\n" + GOOD, r"column 'elbow deg\]' must be a name"),
         ("t,elbow [deg] x\n" + GOOD, r"column 'elbow \[deg\] x' must be a name"),
         ("t,\x1bc\n0,1\n1,90\n", r"looks like degrees; name the unit in the first line, '\\x1bc \[deg\]' or"),
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
-        ("t;elbow\n0;1\n", r"first line 't;elbow' parts columns by ';': commas must part them, as in"),
-        ("t [s];elbow [deg]\n0;1\n", r"first line 't \[s\];elbow \[deg\]' parts columns by ';': commas must part them"),
+        ("t;elbow\n0;1\n", r"first line 't;elbow' separates columns with ';': use commas, as in"),
+        ("t [s];elbow [deg]\n0;1\n", r"first line 't \[s\];elbow \[deg\]' separates columns with ';': use commas"),
         ("t [ms],elbow\n" + GOOD, r"time is in 'ms': it must be in 's' \(.*motion.csv:1\)"),
         ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'deg', 'rad', 'mm', 'm'"),
-        ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have a name of its own"),
-        ("t,elbow,\n" + GOOD, r"column '' must have a name of its own"),
+        ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have its own name"),
+        ("t,elbow,\n" + GOOD, r"column '' must have its own name"),
         ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),
         ("t,elbow\n0,1\n1,2,3\n", r"3 cells must be 2, as in the first line \(.*motion.csv:3\)"),
         (
@@ -109,7 +115,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ),
         ("t,elbow\n0,1\n1,2\n", r"2 points are too few: at least 4 are needed \(.*motion.csv\)"),
         ("t,elbow\n", r"0 points are too few"),
-        ("t,elbow\n0," + "1" * 200_000, r"file is not comma separated UTF-8 text: field larger"),
+        ("t,elbow\n0," + "1" * 200_000, r"file is not comma-separated UTF-8 text: field larger"),
     ],
 )
 def test_a_wrong_file_is_refused_at_its_line(tmp_path: Path, text: str, message: str):
@@ -133,7 +139,7 @@ def test_an_unknown_joint_is_refused_and_the_known_are_listed(tmp_path: Path):
 def test_a_file_that_is_no_text_is_refused(tmp_path: Path):
     path = tmp_path / "motion.csv"
     path.write_bytes(b"t,a\n\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"file is not comma separated UTF-8 text"):
+    with pytest.raises(InputError, match=r"file is not comma-separated UTF-8 text"):
         from_csv(path)
 
 

@@ -73,7 +73,7 @@ def test_the_callers_array_may_change_afterwards(kind: Kind):
         (([1.0], np.nan), r"duration nan s must be positive and finite"),
         (([1.0, np.inf], 1.0), r"end of joint 1 is inf: it must be finite"),
         (([1.0], 1.0, [np.nan]), r"start of joint 0 is nan: it must be finite"),
-        (([1.0], 1.0, [1.0, 2.0]), r"start has 2 joints and end has 1: they must be as many"),
+        (([1.0], 1.0, [1.0, 2.0]), r"start has 2 joints and end has 1: the numbers must match"),
         ((1.0, 1.0), r"end has shape \(\): it must be a list of one position per joint"),
         (([], 1.0), r"end has shape \(0,\)"),
         (([[1.0]], 1.0), r"end has shape \(1, 1\)"),

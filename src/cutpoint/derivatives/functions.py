@@ -172,7 +172,7 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
     except InputError as error:
         if (largest := np.abs(a).max(initial=0.0)) <= LARGEST:
             raise
-        told = f"state and torques ask for accelerations up to {largest:.3g}, at most {LARGEST:.0e} are taken"
+        told = f"state and torques give accelerations up to {largest:.3g}, more than {LARGEST:.0e}"
         remedy = "are they in rad, rad/s and N m?"
         raise InputError(f"{name}_derivatives: {told}; {remedy}", largest=largest) from error
 

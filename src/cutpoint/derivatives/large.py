@@ -107,7 +107,7 @@ def inverse_of(M: Array, asked: str) -> Array:
         factor, order = _factors(M[k])
         if order:
             told = f"the first {order} rows of the mass matrix are singular to rounding"
-            raise InputError(f"{asked}: {told}; give light links inertia, or drives rotors")
+            raise InputError(f"{asked}: {told}; give light links more inertia, or drives rotors")
         half, _ = _inverse(factor, overwrite_c=True)  # zeros below the diagonal
         np.add(half, half.T, out=inverse[k])
     np.einsum("...ii->...i", inverse)[...] /= 2

@@ -56,7 +56,7 @@ def is_swept(robot: Robot) -> bool:
 
 
 def too_large(bodies: int, most: int) -> InputError:
-    remedy = "take differences of a batch of the robot's functions, which loop over bodies"
+    remedy = "use finite differences over a batch of the robot's functions, which loop over bodies"
     return InputError(f"derivatives: {bodies} bodies are too many, at most {most}; {remedy}", bodies=bodies)
 
 

@@ -227,11 +227,11 @@ class RobotKernels:
         if name not in self._kernels:
             if name in self._loops:
                 n = len(self.machine.system.segments)
-                to_export = "; loops leave as C alone" if self._loops[name] else " or to export"
-                told = f"of {n} bodies it runs as loops over them, and has no kernel to look at{to_export}"
-                raise InputError(f"{name}: {told}; of fewer it has one: lock joints that stand still", name=name)
-            there = those_that_exist(name, self._kernels) if self._kernels else "there is none yet"
-            remedy = "functions compile at their first call, so call it once first"
+                to_export = "; loops are exported as C only" if self._loops[name] else " or to export"
+                told = f"with {n} bodies it runs as loops over them and has no kernel to inspect{to_export}"
+                raise InputError(f"{name}: {told}; with fewer it has one: lock joints that do not move", name=name)
+            there = those_that_exist(name, self._kernels) if self._kernels else "none exists yet"
+            remedy = "functions compile on their first call, so call it once first"
             told = f"no compiled function is named {name!r}, {there}; {remedy}"
             raise InputError(told, name=name, known=[*self._kernels])
         return self._kernels[name]

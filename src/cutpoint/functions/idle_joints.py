@@ -41,10 +41,10 @@ def _complaint(idle: list[str], follow: bool) -> str:
     """follow: whether rotors turned along with their carriers."""
     which = f"joint {idle[0]!r} can move" if len(idle) == 1 else f"joints {listed(idle)} can move against each other"
     if follow:
-        remedy = "give a link that moves inertia (<inertial>), a drive a rotor (armature), or lock a joint"
-        return f"{which} while nothing with inertia moves, so that no force decides how fast; {remedy}"
-    found = "while less inertia than none moves: a link has less than rotors with full coupling that it is said to hold"
-    return f"{which} {found}; state in_link_inertia: false of their drives, or mend the link's <inertial>"
+        remedy = "give a moving link inertia (<inertial>) or a drive a rotor (armature), or lock a joint"
+        return f"{which} without moving any inertia, so that no force determines how fast; {remedy}"
+    found = "with negative inertia: a link has less than the rotors with full coupling that it is said to include"
+    return f"{which} {found}; state in_link_inertia: false for their drives, or correct the link's <inertial>"
 
 
 def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator", follow: bool) -> list[str]:

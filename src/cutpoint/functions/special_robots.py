@@ -42,7 +42,7 @@ def check_quaternions(function: str, name: str, q: Array, quaternions: Mapping[s
         if zero.any():
             where = "".join(f"[{', '.join(map(str, place))}]" for place in np.argwhere(zero)[:1] if zero.ndim)
             found = f"the quaternion of joint {joint!r} is zero in {name}{where}"
-            raise InputError(f"{function}: {found}; robot.neutral() is a start", name=name, joint=joint)
+            raise InputError(f"{function}: {found}; start from robot.neutral()", name=name, joint=joint)
 
 
 def with_quaternions(

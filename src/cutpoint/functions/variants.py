@@ -46,11 +46,11 @@ def wrong_motion(function: str, given: int, needed: int) -> InputError:
     names = motion_names(max(given, needed)).split()
     if given < needed:
         missing = f"{given} are given, {', '.join(names[given + 1 :])} missing"
-        remedy = f"rotors with full coupling take {needed}; or say quasi_rigid=True"
+        remedy = f"rotors with full coupling take {needed}; or use quasi_rigid=True"
         told = f"{function}: {needed - given} more derivatives of the position are needed: {missing}: {remedy}"
     else:
         taken = f"{needed} derivatives of the position are needed, {', '.join(names[1 : needed + 1])}"
-        told = f"{function}: {taken}: {given} are given; strains and options go by name, as in strains=..."
+        told = f"{function}: {taken}: {given} are given; pass strains and options by name, as in strains=..."
     return InputError(told, needed=needed)
 
 

@@ -42,12 +42,12 @@ def compile(
         InputError: a shape, the backend, or the function's parameters do not fit, or it is too large to compile.
     """
     if name is not None and not isinstance(name, str):
-        told = "must be a string: errors call the kernel by it, so no input can be named 'name'"
+        told = "must be a string: it is the kernel's name in errors, so no input can be named 'name'"
         raise InputError(f"compile: name={name!r} {told}")
     start, label = time.perf_counter(), name or name_of(function)
     taken = inputs.keys() & {"self", "out", "threads"}
     if taken:
-        raise InputError(f"{label}: calls of a kernel take {min(taken)}= themselves, an input needs another name")
+        raise InputError(f"{label}: calls of a kernel have their own {min(taken)}=; rename the input")
     ports = [port(key, shape) for key, shape in inputs.items()]
     if chosen(backend) == "llvm":
         check_size(label, ports)  # with the outputs once more, when they are known

@@ -59,8 +59,8 @@ def rolled(
     if odd is None:
         return RolledFunction(asked, machine, backend, record, frame)
     if bodies > TOO_LARGE:
-        complaint = f"{bodies} bodies are too many for code without loops, and loops do not take {odd}"
-        raise InputError(f"{name}: {complaint}; at most {TOO_LARGE} bodies, or backend='numpy', can do", bodies=bodies)
+        complaint = f"{bodies} bodies are too many for code without loops, and loops do not support {odd}"
+        raise InputError(f"{name}: {complaint}; use at most {TOO_LARGE} bodies, or backend='numpy'", bodies=bodies)
     return None
 
 
@@ -129,7 +129,7 @@ class RolledFunction:
         for output in recipe.outputs:
             if prod(shape := self._task.shape(output)) > MOST_NUMBERS:
                 told = f"{self.name}: a matrix {shape} has more than {MOST_NUMBERS} numbers"
-                raise InputError(f"{told}, 2 GiB; take a smaller model", shape=shape)
+                raise InputError(f"{told}, 2 GiB; use a smaller model", shape=shape)
         self._one = One(self._task, LANES, self.name)
         self._quick = self._shortcut()
         self.compile_seconds = time.perf_counter() - start
@@ -155,7 +155,7 @@ class RolledFunction:
         from cutpoint.kernels.targets.c99_program import source_of
 
         if not self._are_all_driven:
-            told = "loops leave as C for robots with a drive in every joint, or in none; lock the joints that have none"
+            told = "loops are exported as C for robots with a drive in every joint, or in none; lock those without"
             raise InputError(f"{self.name}: {told}")
         known = getattr(self._record, "_fields", self._task.recipe.outputs)
         return source_of(self._one.memory().fixed(outputs or known), self.name)

@@ -45,7 +45,7 @@ def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
     if not models:
         return "no drive at all"
     if len(models) > MOST_STRUCTURES:
-        return f"drives of {len(models)} structures, but {MOST_STRUCTURES} at most"
+        return f"drives of {len(models)} structures, more than {MOST_STRUCTURES}"
     for spin in system.spins:
         if spin.elastic and not takes_coupled:
             joint = system.segments[spin.joint].name
@@ -62,7 +62,7 @@ def check_compiles(name: str, system: System, backend: str) -> None:
         carried = 0 if body.parent == WORLD else turning[body.parent]
         turning.append(carried + int(not isinstance(body.joint, Prismatic)))
     if LEAST.get(name, 0) * sum(turning) > most and not system.has_followers:
-        complaint = f"of {len(turning)} bodies it takes far more than {most} operations; take a smaller model"
+        complaint = f"with {len(turning)} bodies it takes far more than {most} operations; use a smaller model"
         raise InputError(f"{name}: {complaint}", bodies=len(turning))
     n, bodies = system.nv, len(system.segments)
     rows = {"mass_matrix": n, "coriolis_matrix": n, "velocity_map": 6 * bodies, "regressor": 10 * bodies}

@@ -64,7 +64,7 @@ def _check_shapes(t: Array, q: Array, least: int, joints: Sequence[str] | None) 
     if t.size < least:
         raise InputError(f"{t.size} points are too few: at least {least} are needed", count=t.size)
     if joints is not None and len(joints) != q.shape[1]:
-        raise InputError(f"{len(joints)} joint names must be as many as there are positions, {q.shape[1]}")
+        raise InputError(f"{len(joints)} joint names must match the number of positions, {q.shape[1]}")
 
 
 def _check_finite(t: Array, q: Array, joints: Sequence[str] | None) -> None:

@@ -69,7 +69,7 @@ def from_csv(
         with path.open(encoding="utf-8-sig", newline="") as lines:
             columns, rows = _read(lines, path, sliding)
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"file is not comma separated UTF-8 text: {error}", place=path) from error
+        raise InputError(f"file is not comma-separated UTF-8 text: {error}", place=path) from error
     names = [column.name for column in columns]
     wanted = checked_names("from_csv", names if joints is None else joints)
     for name in wanted:
@@ -99,7 +99,7 @@ def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> 
 
 def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> list[Column]:
     if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
-        told = f"first line {cells[0][:200]!r} parts columns by {other!r}: commas must part them, {EXAMPLE}"
+        told = f"first line {cells[0][:200]!r} separates columns with {other!r}: use commas, {EXAMPLE}"
         raise InputError(told, place=place)
     found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
@@ -112,7 +112,7 @@ def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> li
     names = [column.name for column in found]
     for column in found[1:]:
         if not column.name or names.count(column.name) > 1:
-            raise InputError(f"column {column.name!r} must have a name of its own", place=place)
+            raise InputError(f"column {column.name!r} must have its own name", place=place)
         if column.unit is not None and column.unit not in UNITS:
             raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
     return [_held_against(column, sliding, place) for column in found[1:]]
@@ -124,7 +124,7 @@ def _held_against(column: Column, sliding: Collection[str] | None, place: str) -
         return column
     way, known = ("slides", SLIDING) if column.name in sliding else ("turns", TURNING)
     if column.unit is not None and column.unit not in known:
-        rule = f"it {way}, its positions must be in {' or '.join(map(repr, known))}"
+        rule = f"it {way}, so its positions must be in {' or '.join(map(repr, known))}"
         raise InputError(f"joint {column.name!r} is in {column.unit!r}: {rule}", place=place, joint=column.name)
     return column._replace(known=known)
 
@@ -133,7 +133,7 @@ def _column(cell: str, place: str) -> Column:
     read = HEAD.fullmatch(cell)
     if read is None:
         raise InputError(
-            f"column {cell.strip()!r} must be a name, or one and its unit, as in 'elbow [deg]'", place=place
+            f"column {cell.strip()!r} must be a name, or a name and its unit, as in 'elbow [deg]'", place=place
         )
     return Column(read[1], read[2])
 

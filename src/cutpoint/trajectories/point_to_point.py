@@ -30,7 +30,7 @@ class PointToPoint(Trajectory):
         last = positions("end", end)
         first = positions("start", np.zeros_like(last) if start is None else start)
         if first.shape != last.shape:
-            raise InputError(f"start has {first.size} joints and end has {last.size}: they must be as many")
+            raise InputError(f"start has {first.size} joints and end has {last.size}: the numbers must match")
         return cls(positive(cls.__name__.lower(), "duration", duration, "s"), first, last)
 
     @property

@@ -107,7 +107,7 @@ def from_samples(
     try:
         spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
     except np.linalg.LinAlgError as error:
-        raise InputError(f"from_samples: no one motion is near all samples; {_pause(times)}") from error
+        raise InputError(f"from_samples: no single motion is near all samples; {_pause(times)}") from error
     check_swing(spline, times / spacing, samples, _pause(times), names)
     errors = spline(times / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
@@ -128,11 +128,11 @@ def _warn_of(found: Smoothed) -> None:
     hurried = int(np.argmax(found.hurry))
     if found.hurry[hurried] > HURRIED:
         cost = f"takes {found.hurry[hurried]:.3g} times the acceleration at {joint_name(found.joints, hurried)}"
-        remedy = f"begin and end with samples that stand still for {1.0 / found.bandwidth:.3g} s"
+        remedy = f"begin and end with samples at rest for {1.0 / found.bandwidth:.3g} s"
         warn(f"to start and end at rest the smoothed motion {cost}: {remedy}")
     if found.gap is not None:
         start, end = found.gap
-        warn(f"from {start:.6g} to {end:.6g} s there are no samples: what the smoothed motion does there is a guess")
+        warn(f"there are no samples from {start:.6g} to {end:.6g} s: the smoothed motion is a guess there")
 
 
 def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:
@@ -144,7 +144,7 @@ def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequen
     raise InputError(
         f"smoothed to {bandwidth:.3g} Hz the motion leaves its samples by {deviation[joint]:.3g} rad (m), where "
         f"{joint_name(names, joint)} moves by {ranges[joint]:.3g}: give samples closer in time, a bandwidth, or "
-        "at_rest=False for a motion cut out of a longer one; points to be passed are for `waypoints`",
+        "at_rest=False for a motion cut out of a longer one; for points to pass through use `waypoints`",
         joint=joint,
         deviation=float(deviation[joint]),
     )
@@ -163,8 +163,10 @@ def _pause(times: Array) -> str:
     """Text about where samples are farthest apart, and what to do."""
     steps = np.diff(times)
     k = int(np.argmax(steps))
-    found = f"between {times[k]:.6g} and {times[k + 1]:.6g} s there are none, elsewhere one in {np.median(steps):.3g} s"
-    return f"{found}: cut them there, or add some between"
+    found = (
+        f"there are none between {times[k]:.6g} and {times[k + 1]:.6g} s, elsewhere one every {np.median(steps):.3g} s"
+    )
+    return f"{found}: cut them there, or add some"
 
 
 def _bandwidth(wanted: float | None, times: Array) -> float:

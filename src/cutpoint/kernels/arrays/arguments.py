@@ -21,7 +21,7 @@ def in_order(kernel: str, ports: Sequence[Port], arguments: Sequence[Any], named
         return [*arguments]
     names = [p.name for p in ports]
     if len(arguments) > len(names):
-        raise InputError(f"{kernel}: {len(arguments)} arguments given, it takes {len(names)}: {', '.join(names)}")
+        raise InputError(f"{kernel}: {len(arguments)} arguments given, but it takes {len(names)}: {', '.join(names)}")
     for key in named:
         if key not in names:
             raise unknown_name(f"input of {kernel}", key, names)
@@ -100,7 +100,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
             return InputError(f"{kernel}: {port.name} {phrase(argument, problem)}", name=port.name)
         kind = np.asarray(argument).dtype
         if graph.precision is FLOAT64 and not np.can_cast(kind, np.float64):  # in single precision results are rounded
-            told = f"holds {kind}, more than float64 keeps; hand it np.asarray(..., float)"
+            told = f"holds {kind}, more precise than float64; pass np.asarray(..., float)"
             return InputError(f"{kernel}: {port.name} {told}", name=port.name)
     try:
         batch = common_batch(kernel, batches)
@@ -112,7 +112,7 @@ def explained(kernel: str, graph: Graph, arguments: Sequence[Any], out: Any, err
 def phrase(argument: Any, problem: Exception) -> str:
     """What is wrong with an argument that `as_numbers` rejects."""
     if isinstance(problem, TypeError):
-        return f"holds {_content(argument)}, it must hold real numbers"
+        return f"holds {_content(argument)}, but must hold real numbers"
     if isinstance(problem, OverflowError):
         return "holds a whole number that is larger than any float"
     text = str(problem)
@@ -125,8 +125,8 @@ def _content(argument: Any) -> str:
         return f"{array.dtype}"
     kinds = sorted({type(x).__name__ for x in array.flat})
     if set(kinds) <= {"int", "float"}:
-        return f"Python objects ({' and '.join(kinds)}), which no array of floats took in (np.asarray(..., float) may)"
-    traced = "; a kernel cannot be traced, call the function that it was made of" if "Traced" in kinds else ""
+        return f"Python objects ({' and '.join(kinds)}), not floats (np.asarray(..., float) may convert them)"
+    traced = "; a kernel cannot be traced; call the function that it was made from" if "Traced" in kinds else ""
     return f"{', '.join(kinds)}{traced}"
 
 
@@ -135,14 +135,14 @@ def _out_problem(outputs: Sequence[Port], batch: Shape, out: Any) -> str | None:
         return None
     given = out if isinstance(out, tuple) else (out,)
     if isinstance(out, list) and len(outputs) > 1:
-        return f"out is a list, it must be a tuple of {len(outputs)} arrays: {', '.join(p.name for p in outputs)}"
+        return f"out is a list, but must be a tuple of {len(outputs)} arrays: {', '.join(p.name for p in outputs)}"
     if len(given) != len(outputs):
-        return f"out holds {len(given)} arrays, it must hold {len(outputs)}: {', '.join(p.name for p in outputs)}"
+        return f"out holds {len(given)} arrays, but must hold {len(outputs)}: {', '.join(p.name for p in outputs)}"
     for port, target in zip(outputs, given, strict=True):
         expected = (*batch, *port.shape)
         if not isinstance(target, np.ndarray) or target.shape != expected:
             found = f"has shape {target.shape}" if isinstance(target, np.ndarray) else f"is a {type(target).__name__}"
-            return f"out for {port.name} {found}, it must be an array of shape {expected}"
+            return f"out for {port.name} {found}, but must be an array of shape {expected}"
         if not np.can_cast(np.float32, target.dtype, "same_kind"):
-            return f"out for {port.name} is of {target.dtype}, it must be of floats"
+            return f"out for {port.name} is of {target.dtype}, but must be of floats"
     return None

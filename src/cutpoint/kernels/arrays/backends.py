@@ -55,7 +55,9 @@ def check_length(name: str, graphs: Iterable[Graph]) -> None:
     """Raises InputError if compiling would take many minutes."""
     operations = sum(AS_MANY if x.op in ELEMENTARY else 1 for graph in graphs for x in graph.nodes)
     if operations > MOST_COMPILED:
-        told = f"{name}: {operations} operations a call, at most {MOST_COMPILED} compile, sines count for {AS_MANY}"
+        told = (
+            f"{name}: {operations} operations per call, at most {MOST_COMPILED} compile (a sine counts for {AS_MANY})"
+        )
         remedy = "use backend='numpy' to call it from Python, or a smaller model"
         raise InputError(f"{told}; {remedy}", operations=operations)
 
@@ -64,7 +66,7 @@ def check_size(name: str, ports: Iterable[Port]) -> None:
     """Raises InputError for a function with more inputs and outputs than machine code supports."""
     numbers = sum(p.size for p in ports)
     if numbers > MOST_NUMBERS:
-        told = f"{name}: {numbers} numbers go in and out, at most {MOST_NUMBERS} compile"
+        told = f"{name}: {numbers} numbers in and out, at most {MOST_NUMBERS} compile"
         raise InputError(f"{told}; use backend='numpy' to call it from Python, or a smaller model", numbers=numbers)
 
 

@@ -59,7 +59,7 @@ class Packs:
             threading.Timer(_SOON, _thread.interrupt_main).start()
         except Exception as error:
             self.width = None
-            warn(f"{self._name}: batches go element by element, as their code cannot be made: {error}")
+            warn(f"{self._name}: batches run element by element, as their code cannot be compiled: {error}")
 
 
 def width_of_packs(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port]) -> int | None:

@@ -18,7 +18,7 @@ def as_reals(arrays: Any, name: str, ports: Sequence[Port], given: Sequence[Any]
     made = [arrays.asarray(x) for x in given]
     for port, x in zip(ports, made, strict=True):
         if x.dtype.kind == "c":
-            raise InputError(f"{name}: {port.name} holds {x.dtype}, it must hold real numbers", name=port.name)
+            raise InputError(f"{name}: {port.name} holds {x.dtype}, but must hold real numbers", name=port.name)
     return [x if x.dtype == dtype else arrays.asarray(x, dtype=dtype) for x in made]
 
 

@@ -92,7 +92,7 @@ def _trace_of(function: Callable[..., Any], arrays: Mapping[str, Flat]) -> Trace
 
 def _chosen(kind: str, names: Sequence[str] | None, known: Mapping[str, Any]) -> list[str]:
     if names is not None and not names:
-        told = f"jacobian_of: names no {kind}; leave the argument out for all of them"
+        told = f"jacobian_of: names no {kind}; leave out the argument for all of them"
         raise InputError(f"{told}: {', '.join(known)}", known=[*known])
     for name in names or ():
         if name not in known:

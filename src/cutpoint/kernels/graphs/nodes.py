@@ -86,10 +86,10 @@ class Trace:
 
     def _add(self, key: tuple[Any, ...], op: str, args: tuple[Any, ...]) -> Node:
         if any(isinstance(x, Node) and x.trace is not self for x in args):
-            raise TraceError("numbers of two traces meet in one operation; make both inputs of one function")
+            raise TraceError("an operation combines numbers of two traces; make both inputs of one function")
         if len(self._table) >= MOST_TRACED:
             told = f"more than {MOST_TRACED} operations in one function are too many to trace"
-            raise InputError(f"{told}; split it, or take a smaller model")
+            raise InputError(f"{told}; split it, or use a smaller model")
         node = Node.__new__(self._kinds[op in CONDITIONS])
         node.op, node.args, node.trace, node.serial = op, args, self, next(_serials)
         self._table[key] = node

@@ -43,7 +43,7 @@ class Refusals:
         refuse(
             "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min` and `max` cannot be compiled; "
             "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions; "
-            "of arrays element by element, or np.less(x, y, dtype=object)"
+            "for arrays element by element, or with np.less(x, y, dtype=object)"
         )
 
     def __float__(self) -> NoReturn:
@@ -60,11 +60,11 @@ class Refusals:
     def __mod__(self, other: object) -> NoReturn:
         refuse(
             "// and % of a traced number cannot be compiled; "
-            "wrap an angle x by 2 * cutpoint.atan(cutpoint.tan(x / 2)), or outside the kernel"
+            "wrap an angle x with 2 * cutpoint.atan(cutpoint.tan(x / 2)), or outside the kernel"
         )
 
     def __round__(self, *digits: object) -> NoReturn:
-        refuse("round, floor, ceil and trunc of a traced number cannot be compiled; take them outside the kernel")
+        refuse("round, floor, ceil and trunc of a traced number cannot be compiled; use them outside the kernel")
 
     __floor__ = __ceil__ = __trunc__ = __round__
 
@@ -89,4 +89,6 @@ def as_float(x: float | Real) -> float:
 
 def refuse_operand(other: Any) -> NoReturn:
     """Raises TraceError: the operand is not a number."""
-    refuse(f"a traced number cannot meet a {type(other).__name__} in one operation; it meets ints, floats and its own")
+    refuse(
+        f"a traced number cannot be combined with a {type(other).__name__}, only with ints, floats and traced numbers"
+    )

@@ -68,7 +68,7 @@ def _check_record(function: Callable[..., Any], record: str, fields: dict[str, A
         raise TraceError(f"{name_of(function)}: the {record} that it returns has no fields; a kernel needs an output")
     for name in fields:
         if name.startswith("_"):
-            rule = "outputs are fields of a NamedTuple, whose names begin with no underscore"
+            rule = "outputs are fields of a NamedTuple, whose names must not begin with an underscore"
             raise TraceError(f"{name_of(function)}: output {name!r} needs another name: {rule}")
 
 

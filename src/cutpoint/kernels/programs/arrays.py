@@ -20,7 +20,7 @@ def check_run(plan: Plan, counts: Mapping[str, int], arrays: Mapping[str, np.nda
     _check_names("count", counts, plan.counts)
     for name, count in counts.items():
         if not isinstance(count, (int, np.integer)) or not 0 <= count < 2**63:
-            raise InputError(f"count {name!r} is {count!r}, it must be a whole number of 0 or more", name=name)
+            raise InputError(f"count {name!r} is {count!r}, but must be a whole number of 0 or more", name=name)
     _check_names("array", arrays, plan.names)
     for name in plan.regions:
         _check_kind(name, arrays[name], written=name in plan.written)
@@ -54,13 +54,13 @@ def _check_size(name: str, array: np.ndarray, plan: Plan, counts: Mapping[str, i
     size = plan.sizes[name]
     if name not in plan.streamed:
         if array.size != size:
-            raise InputError(f"region {name!r} has {size} slots, its array holds {array.size} numbers", name=name)
+            raise InputError(f"region {name!r} has {size} slots, but its array holds {array.size} numbers", name=name)
         return
     ways = plan.streamed[name]
     rows = max((-(-prod(number_of(c, counts) for c in way.often) // way.steps) for way in ways), default=0)
     if array.ndim != 2 or array.shape[1] != size or len(array) < rows:
         raise InputError(
-            f"region {name!r} streams: its array has shape {array.shape}, it must have at least {rows} rows of {size}",
+            f"region {name!r} streams: its array has shape {array.shape}, but must have at least {rows} rows of {size}",
             name=name,
         )
 
@@ -71,7 +71,7 @@ def _check_rows(view: View, index: Any, rows: int, count: int) -> None:
     if not isinstance(index, np.ndarray) or index.dtype != np.int64 or not index.flags.c_contiguous or index.ndim != 1:
         raise InputError(f"list of rows {name!r} must be a contiguous array (n,) of int64", name=name)
     if len(index) < count:
-        raise InputError(f"list of rows {name!r} has {len(index)} entries, it must have at least {count}", name=name)
+        raise InputError(f"list of rows {name!r} has {len(index)} entries, but must have at least {count}", name=name)
     used = index[:count]
     if count and not (used.min() >= 0 and used.max() < rows):
         wrong = int(used[(used < 0) | (used >= rows)][0])

@@ -108,7 +108,7 @@ class Walk:
     def _stage(self, stage: Stage, advancing: frozenset[str], single: frozenset[str]) -> None:
         self._check_names((*stage.reads, *stage.writes), advancing)
         if len(set(stage.writes)) != max(1, len(stage.writes)):
-            raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each but once")
+            raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each only once")
         self.written.update(stage.writes)
         self._check_single(stage, single.intersection((*stage.reads, *stage.writes)))
         if stage not in self.graphs:
@@ -130,7 +130,7 @@ class Walk:
         for name in stage.writes if stage.lanes > 1 else ():
             if known[name].lanes != stage.lanes:
                 told = f"a stage of {stage.lanes} lanes writes region {name!r}, which has {known[name].lanes}"
-                raise InputError(f"{told}; they must be as many")
+                raise InputError(f"{told}; the numbers must match")
 
     def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
         for name in names:

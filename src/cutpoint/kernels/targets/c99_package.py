@@ -65,8 +65,8 @@ def _check_alone(folder: Path, name: str) -> None:
     path = folder / "CMakeLists.txt"
     found = re.search(r"^project\((\w+)", path.read_text(), re.MULTILINE) if is_ours(path) else None
     if found and found[1] != name:
-        remedy = "choose another folder, or say force=True (--force on the command line) to replace it"
-        raise InputError(f"{str(path)!r} builds {found[1]!r}, and a package holds one function; {remedy}", path=path)
+        remedy = "choose another folder, or use force=True (--force on the command line) to replace it"
+        raise InputError(f"{str(path)!r} builds {found[1]!r}, but a package holds one function; {remedy}", path=path)
 
 
 def _recorded(source: Source, computed: Callable[..., Any], notes: Notes) -> tuple[np.ndarray, np.ndarray]:

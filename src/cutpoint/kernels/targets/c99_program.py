@@ -48,7 +48,7 @@ def source_of(fixed: Fixed, name: str) -> Source:
 def check_stack(name: str, stack: int) -> None:
     """Raises InputError if this many bytes are too many."""
     if stack > MOST_STACK:
-        told = f"in C it would take {stack:,} bytes of the stack, {MOST_STACK:,} at most; take a smaller model"
+        told = f"in C it would take {stack:,} bytes of stack, more than {MOST_STACK:,}; use a smaller model"
         raise InputError(f"{name}: {told}", bytes=stack)
 
 

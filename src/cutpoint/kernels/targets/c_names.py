@@ -67,14 +67,12 @@ def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) 
     for name in names:
         is_one = re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]{0,127}", name)
         if not is_one or name in _RESERVED or _MACROS.fullmatch(name):
-            kinds = "ASCII letters, digits and underscores, 128 at most"
-            rule = f"must start with a letter, hold {kinds}, and be no word or macro of C"
+            kinds = "at most 128 ASCII letters, digits and underscores"
+            rule = f"must start with a letter, hold {kinds}, and not be a keyword or macro of C"
             raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
     if _LIBRARY.fullmatch(function):
         owner = "C's own library, its build or Eigen"
-        raise InputError(f"{function}: {owner} has this name already: rename it", name=function)
+        raise InputError(f"{function}: {owner} already uses this name: rename it", name=function)
     twice = [name for name in names[1:] if names.count(name) > 1]
     if twice:
-        raise InputError(
-            f"{function}: {twice[0]!r} names two things; in C each must have a name of its own", name=twice[0]
-        )
+        raise InputError(f"{function}: {twice[0]!r} names two things; in C each needs its own name", name=twice[0])

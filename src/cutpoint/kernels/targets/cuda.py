@@ -91,10 +91,10 @@ def check_names(name: str, graph: Graph) -> None:
     own = {*_OWN, "count", *(_step(p).name for p in inputs)}
     for port in (*inputs, *outputs):
         if port.name in own:
-            told = f"{port.name!r} is a name that CUDA or the kernel itself has already"
+            told = f"{port.name!r} is a name that CUDA or the kernel itself already uses"
             raise InputError(f"{name}: {told}: rename it", name=port.name)
     if name in _OWN or _FUNCTIONS.fullmatch(name):
-        raise InputError(f"{name}: CUDA has this name already: rename it", name=name)
+        raise InputError(f"{name}: CUDA already uses this name: rename it", name=name)
 
 
 def full(graph: Graph) -> tuple[list[Port], list[Port]]:

@@ -68,7 +68,7 @@ def _there(name: str, port: Port, argument: Any, precision: Precision, device: i
             raise InputError(f"{name}: {port.name} {phrase(argument, problem)}", name=port.name) from None
     there = getattr(getattr(argument, "device", None), "id", device)
     if there != device:
-        told = f"is on GPU {there}, GPU {device} is in use: move it, or call within `cupy.cuda.Device({there})`"
+        told = f"is on GPU {there}, but GPU {device} is in use: move it, or call within `cupy.cuda.Device({there})`"
         raise InputError(f"{name}: {port.name} {told}", name=port.name)
     return argument
 

@@ -145,5 +145,5 @@ def _ways_of_floats() -> Any:
 def _check_precision(name: str) -> None:
     if jnp.result_type(float) != jnp.float64:
         remedy = 'jax.config.update("jax_enable_x64", True)'
-        rule = f"JAX computes in float32, and this in float64; say {remedy} first, or take kernel.float32.to_jax()"
+        rule = f"JAX computes in float32, but this in float64; run {remedy} first, or use kernel.float32.to_jax()"
         raise InputError(f"{name}: {rule}")

@@ -22,7 +22,7 @@ def folder_of(value: str | Path) -> Path:
 def check_gives_numbers(name: str, outputs: Sequence[Port]) -> None:
     """Raises InputError for a function without any output numbers."""
     if not with_numbers(outputs):
-        raise InputError(f"{name}: it gives no numbers; return one at least to export it", name=name)
+        raise InputError(f"{name}: it returns no numbers; return at least one to export it", name=name)
 
 
 def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tuple[Path, ...]:
@@ -36,12 +36,14 @@ def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tu
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"folder {str(folder)!r} cannot be made: {error.strerror}", path=folder) from None
+        raise InputError(f"folder {str(folder)!r} cannot be created: {error.strerror}", path=folder) from None
     for path in contents:
         if path.is_dir():
-            raise InputError(f"{str(path)!r} is a folder, where a file is to be written; choose another one", path=path)
+            raise InputError(
+                f"{str(path)!r} is a folder, but a file must be written there; choose another one", path=path
+            )
         if path.exists() and not (force or is_ours(path)):
-            told = "was not written by cutpoint; choose another folder, or say force=True (--force on the command line)"
+            told = "was not written by cutpoint; choose another folder, or use force=True (--force on the command line)"
             raise InputError(f"{str(path)!r} {told}", path=path)
     for path, text in contents.items():
         with replacing(path) as file:

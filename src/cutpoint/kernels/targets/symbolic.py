@@ -62,7 +62,7 @@ def _symbols(ports: Sequence[Port], name: str) -> list[Any]:
     names = ["_".join(map(str, (p.name, *index))) for p in ports for index in np.ndindex(p.shape)]
     twice = [symbol for symbol, count in Counter(names).items() if count > 1]
     if twice:
-        raise InputError(f"{name}: {twice[0]!r} would be the symbol of two inputs: rename one", name=twice[0])
+        raise InputError(f"{name}: {twice[0]!r} would be the symbol for two inputs: rename one", name=twice[0])
     return [sympy.Symbol(symbol) for symbol in names]
 
 
