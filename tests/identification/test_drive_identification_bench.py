@@ -51,7 +51,7 @@ def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str)
     assert np.allclose(found.compliance.deflection(at), expected, rtol=0.0, atol=0.002 * expected.max())
     assert found.offset == pytest.approx(2e-4, abs=0.1 * STEP)
     assert found.kinematic_error is None
-    assert found.unidentifiable["kinematic_error"].startswith("no wave stands out of the noise: of order 2, one of")
+    assert found.unidentifiable["kinematic_error"].startswith("no wave stands out from the noise: at order 2, one of")
 
 
 def wound_slowly(noise: float, seed: int, stated: Compliance | None = None) -> SpringEstimate:
@@ -157,7 +157,7 @@ def test_damping_is_not_told_where_what_hides_the_spring_would_pass_for_it():
     found = two_encoders(lead, 0.0 * T, torque, PERIOD, RATIO, laws=["linear"], orders=[], hysteresis=False)
     assert abs(found["damping"] - damping) > 4.0 * found.deviations["damping"] < found["damping"]
     assert found.damping is None
-    assert found.unidentifiable["damping"].endswith("cannot be told from zero beside a spring that is not told")
+    assert found.unidentifiable["damping"].endswith("cannot be told from zero while the spring is not told")
 
 
 def test_noise_of_the_torque_does_not_stiffen_a_spring_whose_encoders_are_known():
@@ -208,9 +208,7 @@ def test_what_a_fit_of_many_unknowns_leaves_of_white_noise_tells_its_size():
 def test_encoders_that_are_exchanged_are_told_by_a_lead_that_goes_against_the_torque():
     theta, q, torque = channels(SPRINGS["linear"])
     found = two_encoders(q, theta, torque, PERIOD, RATIO, laws=["linear"])
-    asked = (
-        r"the motor's lead goes against the torque, correlation -1.00: are q and theta exchanged, or is a sign turned"
-    )
+    asked = r"the motor's lead opposes the torque, correlation -1.00: are q and theta swapped, or is a sign reversed"
     assert re.match(asked, found.unidentifiable["stiffness"])
 
 
@@ -352,7 +350,7 @@ def test_motion_that_would_be_lost_beyond_the_sweeps_is_not_told():
     angle = np.round(wound(cutpoint.LinearSpring(16e3), SLIPPING, TORQUE) / 6e-7) * 6e-7
     found = locked_output(angle, TORQUE, 8e-3, RATIO, rated_torque=2000.0, resolution=6e-7)
     assert found.lost_motion is None
-    assert re.match(r"it is read at 60 N m, and the sweeps end at 36 N m", found.unidentifiable["lost_motion"])
+    assert re.match(r"it is read at 60 N m, but the sweeps end at 36 N m", found.unidentifiable["lost_motion"])
 
 
 def test_a_play_shows_between_the_loops_and_beside_the_spring():
@@ -367,17 +365,17 @@ def test_a_play_shows_between_the_loops_and_beside_the_spring():
     ("call", "message"),
     [
         (lambda: two_encoders(T, T[1:], T, PERIOD, RATIO), r"unknowns have shapes .* each must be \(N,\)"),
-        (lambda: two_encoders(T, T, T, PERIOD, RATIO), r"they show no spring"),
+        (lambda: two_encoders(T, T, T, PERIOD, RATIO), r"torque and deflection must both change to show a spring"),
         (lambda: two_encoders(T[:9], T[:9], T[:9], PERIOD, RATIO), r"9 complete samples are too few: 500 are needed"),
         (lambda: two_encoders(T, 0 * T, T, PERIOD, RATIO, laws=["steel"]), r"no spring law is named 'steel'"),
         (lambda: motor_side(T, T, PERIOD, RATIO), r"give either torque or current"),
-        (lambda: motor_response(T, T, PERIOD, 1e-3), r"a window of 1 samples must have 32 at least"),
+        (lambda: motor_response(T, T, PERIOD, 1e-3), r"a window of 1 samples must have at least 32"),
         (lambda: motor_response(T, T, 0.0), r"period 0.0 s must be positive"),
         (lambda: locked_output(T, T, PERIOD, RATIO, rated_torque=-5.0), r"rated_torque -5.0 N m must be positive"),
         (lambda: fit_response(response(8000.0), 0.0), r"link inertia 0.0 kg m2 must be positive"),
         (lambda: fit_response(response(8000.0), 0.5, low=600.0), r"0 coherent frequencies"),
-        (lambda: locked_output(1e-4 * T, T + 1.0, PERIOD, RATIO), r"torque goes from 1 to .* both sides of zero"),
-        (lambda: locked_output(1e-4 * T, T - T[0], PERIOD, RATIO), r"torque goes from 0 to .* both sides of zero"),
+        (lambda: locked_output(1e-4 * T, T + 1.0, PERIOD, RATIO), r"torque runs from 1 to .* both sides of zero"),
+        (lambda: locked_output(1e-4 * T, T - T[0], PERIOD, RATIO), r"torque runs from 0 to .* both sides of zero"),
     ],
 )
 def test_what_shows_no_drive_is_refused(call, message: str):

@@ -96,13 +96,13 @@ def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, ot
     joint = found.joints["axle"]
     why = joint.unidentifiable["motor friction"]
     assert f"viscous friction of the {other} comes out as -" in why
-    assert f"the {late}'s encoder is late by" in why
+    assert f"the {late}'s encoder were late by at least" in why
     named = float(re.findall(r"([\d.]+) ms (?:if the link has no|at least:)", why)[0])
     # what the link asks for is late too, which passes for some viscous friction
     assert named == pytest.approx(1.5, rel=0.2)
     assert {"rotor inertia", "damping", "stiffness", "kinematic_error"} <= joint.unidentifiable.keys()
     assert joint.drive.motor_friction == FRICTION
-    told = r"the clocks of the encoders differ at axle, .*: no drive's numbers are sure .*--align"
+    told = r"the encoders' clocks differ at axle, .*: no drive's numbers can be relied on .*--align"
     assert re.match(told, found.remarks[0])
     assert joint.spring["stiffness"] == pytest.approx(STIFFNESS, rel=0.01)
 
@@ -136,4 +136,4 @@ def test_a_current_that_only_accelerates_does_not_tell_how_much_torque_it_is():
     recording = swung(wheel, with_friction(TRUE, "motor"), DURATION, torque_noise=20.0)
     currents = replace(recording, torque=None, current=0.2 * np.array(recording["torque"]))
     failed = identify_drives(wheel, currents).failed
-    assert re.match(r"gain .* N m/A at the joint is not told to 10% of it: .*, or give torques", failed["axle"])
+    assert re.match(r"gain .* N m/A at the joint is uncertain by more than 10%: .*, or give torques", failed["axle"])

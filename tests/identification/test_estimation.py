@@ -90,7 +90,7 @@ def test_the_shape_of_friction_is_found_and_no_richer_law_is_taken(smoothing: fl
     found = identify_rigid(arm.file, recorded(arm.robot.with_drives(drives), 1), cutoff=CUTOFF)
     assert {choice.family for choice in found.friction} == {"coulomb"}
     assert [choice.law.smoothing for choice in found.friction] == pytest.approx([smoothing] * 3, rel=0.2)
-    assert "of (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
+    assert "chosen among (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
 
 
 @pytest.mark.parametrize("method", ["huber", "instrumental"])
@@ -166,10 +166,10 @@ def test_torques_of_one_joint_that_come_late_are_said_with_its_name():
     torque = np.array(recording["torque"])
     torque[:, 1] = np.interp(recording.time - 0.01, recording.time, torque[:, 1])
     notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
-    (said,) = [note for note in notes if "than the motion that they belong to" in note]
+    (said,) = [note for note in notes if "than the motion they belong to" in note]
     found = re.match(rf"torques of {recording.joints[1]} come (\S+) \+- \S+ ms later .* unlike those of other", said)
     assert found and float(found[1]) == pytest.approx(10.0, abs=1.5)
-    assert said.endswith("}, ('torque', 'current')) moves these alone")
+    assert said.endswith("}, ('torque', 'current')) moves only these")
 
 
 def test_a_joint_whose_torques_come_in_time_is_not_said_to_be_late():
@@ -179,7 +179,7 @@ def test_a_joint_whose_torques_come_in_time_is_not_said_to_be_late():
     for j in (0, 2):
         torque[:, j] = np.interp(recording.time - 0.01, recording.time, torque[:, j])
     notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
-    said = [note for note in notes if "than the motion that they belong to" in note]
+    said = [note for note in notes if "than the motion they belong to" in note]
     assert said and all(note.startswith(f"torques of all joints but {recording.joints[1]} come") for note in said)
 
 
@@ -191,7 +191,7 @@ def test_instruments_that_tell_little_are_said_to():
         identify_rigid(arm.file, recording, friction="stated", method=method, bandwidth=width, cutoff=CUTOFF)
         for method, width in methods
     ]
-    assert ["they move as was" in " ".join(each.notes) for each in found] == [False, True, False]
+    assert ["they are the motion" in " ".join(each.notes) for each in found] == [False, True, False]
     assert found[1].told < found[2].told
 
 
@@ -212,7 +212,7 @@ def test_a_file_of_placeholders_is_said_to_hold_the_bodies_back():
     notes = [
         identify_rigid(x, recorded(arm.robot, 1), friction="stated", cutoff=CUTOFF).notes for x in (arm.file, file)
     ]
-    strained = ["leave the intervals of" in " ".join(each) for each in notes]
+    strained = ["bodies miss the intervals of" in " ".join(each) for each in notes]
     assert strained == [False, True]
 
 
@@ -379,21 +379,21 @@ class OwnFriction:
         ),
         (
             {"rotor_errors": [0.1]},
-            r"rotor_errors must be a standard deviation, kg m2, for each of some joints, by name, got \[0.1\]",
+            r"rotor_errors must be a mapping of joint names to standard deviations, kg m2, got \[0.1\]",
         ),
         ({"rotor_errors": {"joint0": np.inf}, "rotors": False}, r"rotor_errors\['joint0'\] inf kg m2 must be finite"),
-        ({"rotor_errors": {"joint0": 0.1}}, r"rotor_errors\['joint0'\] is of a rotor that is sought"),
+        ({"rotor_errors": {"joint0": 0.1}}, r"rotor_errors\['joint0'\] is for a rotor that is sought"),
         (
             {"friction": {"joint0": "coulomb"}},
             r"friction\['joint0'\] must be Coulomb's or Stribeck's law, got 'coulomb'",
         ),
         ({"link_friction": {"elbow": LINK}}, r"no driven joint is named 'elbow'"),
         ({"link_friction": {"joint0": 3.0}}, r"link_friction\['joint0'\] must be a law of friction, got 3.0"),
-        ({"link_friction": [LINK]}, r"link_friction must be a law for each of some joints, by name"),
+        ({"link_friction": [LINK]}, r"link_friction must be a mapping of joint names to laws"),
         ({"method": "least"}, r"no method of identification is named 'least'; there are: 'ordinary', 'weighted'"),
         ({"solver": "sdp"}, r"no solver is named 'sdp'"),
-        ({"prior_spread": 0.0}, r"prior_spread 0.0 must be positive"),
-        ({"level": 95.0}, r"level 95.0 must lie between 0 and 1, as 0.95"),
+        ({"prior_spread": 0.0}, r"prior_spread 0.0 must be a positive share"),
+        ({"level": 95.0}, r"level 95.0 must lie between 0 and 1, such as 0.95"),
         ({"friction": "viscous"}, r"friction 'viscous' must be 'choose', 'stated', or laws by joint"),
         ({"friction": {"elbow": Coulomb(1.0, 0.0, 0.1)}}, r"no driven joint is named 'elbow'"),
         ({"bandwidth": 600.0}, r"bandwidth 600.0 Hz must lie between 0 and 500 Hz, half the sampling rate"),
@@ -428,7 +428,7 @@ def test_a_solver_that_is_not_installed_is_named_before_any_work(monkeypatch: py
     with pytest.raises(InputError, match=r"samples|moves"):
         identify_rigid(known.file, few)
     monkeypatch.setitem(sys.modules, "clarabel", None)
-    with pytest.raises(CutpointError, match=r"pip install 'cutpoint\[identify\]', or take .*--solver log_cholesky"):
+    with pytest.raises(CutpointError, match=r"pip install 'cutpoint\[identify\]', or use .*--solver log_cholesky"):
         identify_rigid(known.file, few)
 
 

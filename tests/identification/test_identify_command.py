@@ -90,7 +90,7 @@ def test_a_joint_that_stands_still_keeps_the_friction_that_its_file_states(flick
     rng = np.random.default_rng(2)
     noisy = q + [1e-6, flicker] * rng.normal(size=q.shape), torque + 0.01 * rng.normal(size=q.shape)
     found = identify(before, Recording(TIME, TRUTH.joints, q=noisy[0], torque=noisy[1]), friction="stated")
-    assert "elbow stood still: what moves with these alone, and their friction, is not told" in found.notes
+    assert "elbow stood still: what moves only with these, and their friction, is not told" in found.notes
     numbers = {(number.joint, number.name): number for number in found.numbers}
     for name, stated, true in (("coulomb", 2.0, 4.0), ("viscous", 1.0, 3.0)):
         still, moving = numbers["elbow", f"{name}.elbow"], numbers["shoulder", f"{name}.shoulder"]
@@ -136,7 +136,7 @@ def test_what_is_not_told_of_a_spring_stays_as_its_file_states_it(files: Path, t
         assert entry["hysteresis"]["loss"] == pytest.approx(2e-4, rel=1e-9)
         assert entry["hysteresis"]["reach"] == pytest.approx(3e-4, rel=1e-9)
         assert entry["backlash"] == 1e-4
-        assert any(words.startswith(f"{joint}: backlash cannot be told: 0.0001 rad stay") for words in found.untold)
+        assert any(words.startswith(f"{joint}: backlash cannot be told: 0.0001 rad is kept") for words in found.untold)
         assert not any(words.startswith(f"{joint}: backlash") for words in found.notes)
 
 
@@ -182,7 +182,7 @@ def test_the_drive_file_and_the_numbers_say_the_same_intervals(found: Identifica
 
 def test_results_are_overwritten_on_request_only(found: Identification, tmp_path: Path):
     (tmp_path / "robot.urdf").write_text("mine")
-    with pytest.raises(InputError, match=r"already holds robot.urdf; name another, or say --force"):
+    with pytest.raises(InputError, match=r"already holds robot.urdf; name another, or give --force"):
         found.save(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["robot.urdf"]
     found.save(tmp_path, force=True)
@@ -207,7 +207,7 @@ def test_ctrl_c_while_springs_are_sought_keeps_the_links(files: Path, tmp_path: 
     log = write_log(tmp_path / "wound.csv", wound())
     found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml", friction="stated")
     assert found.drives is None and found.rigid["coulomb.elbow"].told
-    assert "springs were not identified: Ctrl-C was pressed while they were sought" in found.notes
+    assert "springs were not identified: Ctrl-C was pressed during the search" in found.notes
 
 
 def test_progress_counts_every_step_on_stderr_and_leaves_nothing(files: Path, monkeypatch: pytest.MonkeyPatch):
@@ -267,7 +267,7 @@ def test_a_xacro_file_is_left_expanded(tmp_path: Path):
     saved = found.save(tmp_path / "out")
     again = cutpoint.load(saved[0]).inertial_parameters
     assert np.abs(again - found.robot.inertial_parameters).max() <= 1e-12 * np.abs(again).max()
-    assert "robot.urdf is the xacro file expanded" in saved[-1].read_text()
+    assert "robot.urdf is the expanded xacro file" in saved[-1].read_text()
 
 
 PENDULUM = """<mujoco model="pendulum"><worldbody><body name="arm">
@@ -301,7 +301,7 @@ def test_the_command_prints_errors_and_saves(files: Path, tmp_path: Path):
 def test_encoders_on_two_clocks_are_named_first_and_brought_to_one(files: Path, tmp_path: Path):
     late = wound()
     late["q"] = np.column_stack([np.interp(TIME - 3e-3, TIME, x) for x in late["q"].T])
-    log, clocks = write_log(tmp_path / "log.csv", late), "note: the clocks of the encoders differ at "
+    log, clocks = write_log(tmp_path / "log.csv", late), "note: the encoders' clocks differ at "
     drives = ("--drives", str(files / "sprung.yaml"))
     _, apart = run(files, log, tmp_path / "apart", *drives)
     _, aligned = run(files, log, tmp_path / "aligned", *drives, "--align")

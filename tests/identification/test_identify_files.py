@@ -132,7 +132,7 @@ def test_drives_come_back_with_their_remarks():
         (1.0, 1.5, 2.0, "1 to 2"),
         (44.999_61, 44.999_64, 45.000_02, "44.9996 to 45"),
         (200.001_4, 200.001_41, 200.001_42, "200.0014 to 200.00142"),
-        (3.0, 5.0, 4.0, "3 to 4 by the log alone; with bodies and friction that can exist, this fits best"),
+        (3.0, 5.0, 4.0, "3 to 4 from the log alone; of possible bodies and friction, this fits best"),
         (2.0, 2.0, 2.0, "2 to 2"),
     ],
 )

@@ -27,7 +27,7 @@ def arm(on_motors: bool) -> tuple[Known, Recording]:
 
 def told(known: Known, recording: Recording) -> list[str]:
     notes = identify_rigid(known.file, recording).notes
-    return [note for note in notes if "than the motion that they belong to" in note]
+    return [note for note in notes if "than the motion they belong to" in note]
 
 
 @pytest.mark.parametrize(("samples", "when"), [(4, "later"), (-4, "earlier")])
@@ -40,7 +40,7 @@ def test_torques_of_another_time_than_the_motion_are_named(samples: int, when: s
     assert words[2] == when
     # a command that is held acts half a period later than it is stamped
     assert float(words[1]) == pytest.approx(abs(samples - 0.5), abs=0.5)
-    assert "has no encoder" not in note
+    assert "without an encoder" not in note
 
 
 def test_friction_of_motors_that_reverse_before_their_links_is_no_lateness():
@@ -52,13 +52,13 @@ def test_where_one_side_was_measured_friction_of_the_other_is_named_as_what_else
     known, log = arm(on_motors=True)
     notes = told(known, replace(log, theta=None))
     assert "earlier than the motion" in notes[0]
-    assert notes[-1].endswith("dry friction on the side of the drives that has no encoder looks like that, too")
+    assert notes[-1].endswith("dry friction on the drives' side without an encoder looks the same")
 
 
 @pytest.mark.parametrize(
     ("samples", "words"),
     [
-        (3, r"springs tell that torques act [\d.]+ ms earlier than they are stamped, not 0.5 ms later \(joint0 -.*"),
+        (3, r"springs show that torques act [\d.]+ ms earlier than stamped, not 0.5 ms later \(joint0 -.*"),
         (0, r"all springs seem damped by ([\d.]+) ms of their stiffness, or torques act [\d.]+ ms later than .*"),
     ],
 )

@@ -53,7 +53,7 @@ def test_the_robot_that_is_saved_is_the_one_that_is_judged(law: str, friction: o
     assert np.abs(after - errors.after)[known].max() < 1e-9 * np.abs(after[known]).max()
     for number in found.numbers:
         if number.path and number.told and not number.low <= number.used <= number.high:
-            assert f"{number.remark}" in drives and "by the log alone; " in number.remark
+            assert f"{number.remark}" in drives and "from the log alone; " in number.remark
 
 
 def test_friction_that_is_less_at_rest_is_not_written_as_even_after_it_was_judged():

@@ -80,7 +80,7 @@ def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: f
         raise InputError(f"motor_response: torque and theta of shapes {u.shape}, {y.shape} must be (N,) and finite")
     length = u.size // WINDOWS if window is None else round(positive("motor_response", "window", window, "s") / period)
     if not 32 <= length <= u.size // 2:
-        raise InputError(f"motor_response: a window of {length} samples must have 32 at least, half of all at most")
+        raise InputError(f"motor_response: a window of {length} samples must have at least 32, and at most half of all")
     shared = {"fs": 1.0 / period, "nperseg": length}
     du, dy = np.diff(u), np.diff(y)
     f, inputs = welch(du, **shared)

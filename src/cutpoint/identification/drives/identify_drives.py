@@ -37,9 +37,9 @@ class DriveEstimates:
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
         if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
-            told = f"the clocks of the encoders differ at {', '.join(late)}, and so perhaps at the others"
-            remedy = "identify again with align=True, --align"
-            return (f"{told}: no drive's numbers are sure until then; {remedy}", *failed)
+            told = f"the encoders' clocks differ at {', '.join(late)}, and so perhaps at the others"
+            remedy = "identify again with align=True (--align)"
+            return (f"{told}: no drive's numbers can be relied on; {remedy}", *failed)
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"
             for joint, estimate in self.joints.items()
@@ -90,7 +90,7 @@ def identify_drives(
     check_recording("identify_drives", recording)
     names = robot.joints
     if robot.nq != len(names):
-        rule = "identification needs a drive for each; fix its base, or lock joints"
+        rule = "identification needs a drive for each coordinate; fix its base, or lock joints"
         raise InputError(f"robot {robot.name!r} has {robot.nq} coordinates and {len(names)} drives: {rule}")
     if missing := sorted(set(names) - set(recording.joints)):
         raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")

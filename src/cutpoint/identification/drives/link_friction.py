@@ -60,12 +60,12 @@ def clocks_differ(spring: SpringEstimate, rotor: RotorEstimate, link: LinkFricti
     for late, (value, deviation) in sides.items():
         if -value > max(SIGNIFICANT * deviation, PUSHES * whole):
             pushed = {"link": "motor", "motor": "link"}[late]
-            least = f"{_late(-value, spring):.2g} ms at least"
+            least = f"at least {_late(-value, spring):.2g} ms"
             if link and late == "link":
                 least = f"{least}, {_late(link.viscous[0], spring):.2g} ms if the link has no viscous friction"
             return (
-                f"viscous friction of the {pushed} comes out as {value:.3g} +- {deviation:.2g} N m s/rad and would "
-                f"drive it, as where the {late}'s encoder is late by {least}: align the clocks, see `aligned`"
+                f"viscous friction of the {pushed} comes out as {value:.3g} +- {deviation:.2g} N m s/rad, which would "
+                f"drive it, as if the {late}'s encoder were late by {least}: align the clocks, see `aligned`"
             )
     return ""
 
@@ -84,7 +84,7 @@ def remarks(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, link: Li
         side = {"motor": "link", "link": "motor"}[stated]
         outweighs = on_motor > MOST * on_link if side == "motor" else on_link > MOST * on_motor
         remedy = "" if not outweighs else f": state its friction under `friction: {{{side}: ...}}`"
-        found.append(f"of dry friction {on_motor:.3g} N m are the motor's and {on_link:.3g} N m the link's{remedy}")
+        found.append(f"of the dry friction, {on_motor:.3g} N m is the motor's and {on_link:.3g} N m the link's{remedy}")
     value, deviation = link.viscous
     if value > SIGNIFICANT * deviation and on_motor > on_link:
         late = f"its encoder is late by {_late(value, spring):.2g} ms"

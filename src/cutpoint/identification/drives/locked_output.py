@@ -93,8 +93,8 @@ def locked_output(
     angle, load = angle[known], load[known]
     limit = REACHED * min(float(load.max()), -float(load.min()))
     if not limit > 0.0:
-        found = f"torque goes from {load.min():.3g} to {load.max():.3g} N m"
-        raise InputError(f"locked_output: {found}; sweep it up and down to both sides of zero")
+        found = f"torque runs from {load.min():.3g} to {load.max():.3g} N m"
+        raise InputError(f"locked_output: {found}; sweep it up and down on both sides of zero")
     at = np.linspace(-limit, limit, POINTS)
     ways = {direction: _mean_way(angle, load, at, direction) for direction in (1.0, -1.0)}
     rising, falling = (way - 0.5 * (ways[1.0] + ways[-1.0]).mean() for way in ways.values())
@@ -106,7 +106,7 @@ def locked_output(
         play = 0.0
     lost = None
     if read is not None and read > limit:
-        why["lost_motion"] = f"it is read at {read:.3g} N m, and the sweeps end at {limit:.3g} N m; load further"
+        why["lost_motion"] = f"it is read at {read:.3g} N m, but the sweeps end at {limit:.3g} N m; load further"
     elif read is not None:
         ends = np.interp([-read, read], at, middle)
         lost = float(ends[1] - ends[0])
@@ -123,8 +123,8 @@ def _mean_way(angle: Array, load: Array, at: Array, direction: float) -> Array:
             order = np.argsort(x, kind="stable")
             found.append(np.interp(direction * at, x[order], y[order]))
     if not found:
-        way = "up" if direction > 0.0 else "down"
-        raise InputError(f"locked_output: no sweep {way} reaches {at[-1]:.3g} N m to both sides; load further")
+        way = "upward" if direction > 0.0 else "downward"
+        raise InputError(f"locked_output: no {way} sweep reaches {at[-1]:.3g} N m on both sides; load further")
     return np.mean(found, axis=0)
 
 

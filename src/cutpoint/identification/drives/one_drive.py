@@ -223,7 +223,7 @@ def _is_seen(spring: SpringEstimate) -> bool:
 
 def _of_a_deflection(clocks: str) -> dict[str, str]:
     """What cannot be determined if the encoders' clocks differ, each with the reason."""
-    shorter = "the clocks of the encoders differ, as motor friction shows"
+    shorter = "the encoders' clocks differ, as motor friction shows"
     others = ("rotor inertia", "damping", "stiffness", "kinematic_error", "hysteresis")
     return {"motor friction": clocks, **dict.fromkeys(others, shorter)}
 

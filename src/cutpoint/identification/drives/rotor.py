@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 UNCERTAIN = 0.1
 """Relative standard deviation above which an estimate counts as unidentifiable."""
 
-SHARE = f"is not told to {UNCERTAIN:.0%} of it"
+SHARE = f"is uncertain by more than {UNCERTAIN:.0%}"
 
 SMOOTHEST = 0.3
 """Largest smoothing of dry friction's sign change, as a share of the RMS speed; the smallest is a hundredth of it."""
@@ -124,7 +124,7 @@ def motor_side(
         fixed["gain"] = -borne
     passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
-        raise InputError(f"motor_side: less than {LEAST_SAMPLES} samples are left by a filter of {band:.3g} Hz")
+        raise InputError(f"motor_side: a filter of {band:.3g} Hz leaves fewer than {LEAST_SAMPLES} samples")
 
     sign = 1.0 if current is None else _sign(passed, [*fixed].index("gain"))
     passed[:, -1] *= sign  # a current of opposite sign
@@ -145,7 +145,7 @@ def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None
         shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
         raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
     if not np.nanmax(angle) > np.nanmin(angle):
-        raise InputError("motor_side: theta never changes, which shows nothing: was it measured?")
+        raise InputError("motor_side: theta never changes: was it measured?")
     return angle, load, drive
 
 

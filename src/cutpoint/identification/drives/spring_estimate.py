@@ -143,17 +143,17 @@ def _chosen(
 def _weak(data: Deflections, fit: DeflectionFit, spread: Array, counts: float) -> str:
     if counts < COUNTS:
         if (likeness := _likeness(data.lead, data.torque)) < AGAINST:
-            against = f"the motor's lead goes against the torque, correlation {likeness:.2f}"
-            return f"{against}: are q and theta exchanged, or is a sign turned?"
+            against = f"the motor's lead opposes the torque, correlation {likeness:.2f}"
+            return f"{against}: are q and theta swapped, or is a sign reversed?"
         steps = f"{counts:.3g} steps" if counts >= 1.0 else "less than a step"
         return (
-            f"torque winds the spring by {steps} of the encoders, half its range: {COUNTS:g} are needed; "
+            f"torque winds the spring, over half its range, by {steps} of the encoders: {COUNTS:g} are needed; "
             "excite with more torque, or measure more finely"
         )
     if (share := _uncertainty(data, fit, spread)) > UNCERTAIN:
         return (
-            f"under the largest torque its deflection is uncertain by {100.0 * share:.2g} %: what else the encoders "
-            "differ by outweighs it, or hides it"
+            f"under the largest torque its deflection is uncertain by {100.0 * share:.2g} %: other differences between "
+            "the encoders outweigh or hide it"
         )
     return ""
 
@@ -168,20 +168,20 @@ def _bare(data: Deflections, fit: DeflectionFit) -> str:
     least, largest = (float(each(np.abs(data.torque))) for each in (np.min, np.max))
     if fit.law.constants == ("stiffness",) or least < NEAR * largest:
         return ""
-    return f"torque was never below {least:.3g} N m: what bends there is extrapolated; excite to both sides"
+    return f"torque was never below {least:.3g} N m: the curve there is extrapolated; excite on both sides of zero"
 
 
 def _closed(data: Deflections, fit: DeflectionFit) -> str:
     if not fit.stiffness.size:
-        return "no spring that slips surely predicts better than one without; damping may stand for what it loses"
+        return "no spring that slips predicts significantly better than one without; damping may stand in for its loss"
     opening = 2.0 * float(np.sum(fit.stiffness * fit.reaches / np.median(fit.tangent)))
     if opening >= OPEN * data.resolution:
         return ""
-    return f"loops open by {opening:.2g} rad, less than {OPEN:g} steps of the encoders, {data.resolution:.2g} rad each"
+    return f"loops open by {opening:.2g} rad, less than {OPEN:g} encoder steps of {data.resolution:.2g} rad each"
 
 
 def _undamped(fit: DeflectionFit, deviation: float, is_spring_told: bool) -> str:
-    surely, beside = (SIGNIFICANT, "") if is_spring_told else (SURELY, " beside a spring that is not told")
+    surely, beside = (SIGNIFICANT, "") if is_spring_told else (SURELY, " while the spring is not told")
     told = fit.damping >= surely * deviation
     return "" if told else f"{fit.damping:.3g} +- {deviation:.2g} N m s/rad cannot be told from zero{beside}"
 
@@ -215,14 +215,14 @@ def _not_apart(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> 
     share = _likeness(waves, fit.law.deflection(fit.constants, data.torque))
     if abs(share) <= TOGETHER:
         return ""
-    size = f"waves of {np.std(waves):.2g} rad RMS go {'with' if share > 0 else 'against'} the spring's deflection"
-    remedy = "let the motor turn farther, or excite with more torque"
-    return f"{size}, correlation {share:.2f}: they are not told from it; {remedy}"
+    size = f"waves of {np.std(waves):.2g} rad RMS vary {'with' if share > 0 else 'against'} the spring's deflection"
+    remedy = "turn the motor farther, or excite with more torque"
+    return f"{size}, correlation {share:.2f}, and cannot be told from it; {remedy}"
 
 
 def _no_waves(data: Deflections, fit: DeflectionFit, turns: float) -> str:
     if turns < FEWEST_TURNS:
-        return f"the motor turned {turns:.2g} times: {FEWEST_TURNS:g} are needed to tell its waves from the spring"
+        return f"the motor made {turns:.2g} turns: {FEWEST_TURNS:g} are needed to tell its waves from the spring"
     columns = np.column_stack([fit.columns, data.waves([2])])
     noise = np.sqrt(np.diag(covariance(columns, fit.residual))[-2:].max())
-    return f"no wave stands out of the noise: of order 2, one of {SIGNIFICANT * noise:.2g} rad would"
+    return f"no wave stands out from the noise: at order 2, one of {SIGNIFICANT * noise:.2g} rad would"

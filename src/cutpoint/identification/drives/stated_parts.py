@@ -44,8 +44,8 @@ def not_sought(drive: Drive, shows_play: bool) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     if isinstance(drive.compliance, Backlash):
-        seen = "follows it better than none" if shows_play else "does not follow it"
-        found["backlash"] = f"{drive.compliance.gap:.3g} rad stay as stated, and the measured deflection {seen}"
+        seen = "fits it better than none" if shows_play else "does not show it"
+        found["backlash"] = f"{drive.compliance.gap:.3g} rad is kept as stated, and the measured deflection {seen}"
     if isinstance(spring_of(drive.compliance), HarmonicSpring):
-        found["wave generator"] = "its compliance is part of the spring that was found, and not apart from it"
+        found["wave generator"] = "its compliance is part of the identified spring, not separate from it"
     return found

@@ -35,16 +35,16 @@ def delay_remarks(delays: Mapping[str, Delay], supposed: float, damped: Collecti
     values, deviations = (np.array(x) for x in zip(*delays.values(), strict=True))
     found, surely = float(np.median(values)), max(WORTH, SIGNIFICANT * float(np.median(deviations)))
     each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g}" for joint, x in delays.items())
-    remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "in time"
+    remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "on time"
     if found - supposed < -surely:
-        told = f"springs tell that torques act {_when(found)} than they are stamped, not {taken} ({each})"
-        rule = "until then rotors and dampings come out too small; damping hides some of it: look again"
-        return (f"{told}: align them by {remedy}; {rule}",)
+        told = f"springs show that torques act {_when(found)} than stamped, not {taken} ({each})"
+        rule = "until then rotors and dampings come out too small; damping hides part of it: check again"
+        return (f"{told}: align them with {remedy}; {rule}",)
     likely = max(surely, float(np.ptp(values)), DAMPED if supposed else 0.0)
     if len(values) > 1 and set(delays) <= set(damped) and found - supposed > likely:
         told = f"all springs seem damped by {1e3 * (found - supposed):.2g} ms of their stiffness"
-        alike = "this log does not tell which; commands that are held act half a period late"
-        return (f"{told}, or torques act {_when(found)} than they are stamped, not {taken}: {alike}",)
+        alike = "this log does not tell which; held commands act half a period late"
+        return (f"{told}, or torques act {_when(found)} than stamped, not {taken}: {alike}",)
     return ()
 
 

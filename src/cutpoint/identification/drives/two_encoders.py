@@ -35,7 +35,7 @@ LEAST_SAMPLES = 500
 AS_STIFF = 0.03
 """Share by which a file's curve may be stiffer or softer than measured, in addition to noise."""
 
-AS_STATED = "the curve that the files state predicts the deflection as well as any other, and is as stiff: it is kept"
+AS_STATED = "the curve stated in the files predicts the deflection as well as any other, and is as stiff: it is kept"
 
 KNOWN = TorqueReading()
 """The reading of a known torque."""
@@ -139,7 +139,7 @@ def _known(*channels: ArrayLike) -> tuple[NDArray[np.bool_], list[Array]]:
         raise InputError(f"two_encoders: {known.sum()} complete samples are too few: {LEAST_SAMPLES} are needed")
     angle, link, load, *others = (x[known] for x in arrays)
     if not (np.ptp(load) and np.ptp(angle - link)):
-        raise InputError("two_encoders: neither torque nor deflection may stand still: they show no spring")
+        raise InputError("two_encoders: torque and deflection must both change to show a spring")
     return known, [angle, link, load, *others]
 
 

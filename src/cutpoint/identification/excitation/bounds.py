@@ -59,14 +59,14 @@ def bounds_of(
     )
     for name, most in zip(robot.joints, bounds.speed, strict=True):
         if np.isinf(most):
-            remedy = "state one: speed=, or --speed on the command line"
+            remedy = "state a limit: speed=, or --speed on the command line"
             raise InputError(f"joint {name!r}: neither robot nor drive limits its speed; {remedy}", joint=name)
     return bounds
 
 
 def _share(travel: float) -> float:
     if positive("excitation", "travel", travel) > 1.0:
-        raise InputError(f"excitation: travel {travel:g} must be at most 1, all of what limits leave", travel=travel)
+        raise InputError(f"excitation: travel {travel:g} must be at most 1, all that limits leave", travel=travel)
     return travel
 
 
@@ -74,7 +74,7 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
     try:
         first, last = (-np.inf, np.inf) if position is None else position
     except (TypeError, ValueError):
-        raise refused("excitation", "position", position, "(low, high), each a number or one a joint") from None
+        raise refused("excitation", "position", position, "(low, high), each a number or one per joint") from None
     joints, drives = joints_of(robot), [*robot.drives.values()]
     free = np.array([FREE_SLIDE if joint.kind == "prismatic" else FREE_TURN for joint in joints])
     lows = [_each(robot, "position", first), [x.limits.lower for x in joints], [x.limits.lower for x in drives]]
@@ -87,7 +87,7 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
     )
     for name, a, b in zip(robot.joints, low, high, strict=True):
         if not a < b:
-            rule = "the first must be smaller; it needs room to move"
+            rule = "the first must be smaller, to leave room to move"
             raise InputError(f"joint {name!r}: position limits {a:g} and {b:g} leave no range: {rule}", joint=name)
     return low, high
 
@@ -106,7 +106,7 @@ def _each(robot: Robot, name: str, value: ArrayLike) -> Array:
     try:
         found = np.broadcast_to(np.asarray(value, dtype=np.float64), n)
     except (TypeError, ValueError):
-        raise InputError(f"{name} limit must be a number, or {n}, one a joint", name=name) from None
+        raise InputError(f"{name} limit must be a number, or {n}, one per joint", name=name) from None
     if np.isnan(found).any():
         raise InputError(f"joint {robot.joints[int(np.isnan(found).argmax())]!r}: {name} limit is NaN", name=name)
     return found

@@ -123,7 +123,7 @@ def excitation(
             no motion that keeps all limits was found; then it names limit and joint.
     """
     check_robot("excitation", robot)
-    check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "(low, high) by the frame's name")
+    check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "a mapping of frame names to (low, high)")
     check_kind("excitation", "resume", resume, (str, PathLike, NoneType), "the path of a file")
     _check_driven(robot)
     duration, harmonics = positive("excitation", "duration", duration, "s"), _harmonics(harmonics)
@@ -185,7 +185,7 @@ def _frequency(duration: float, base_frequency: float | None) -> float:
     if round(periods) < 1 or abs(periods - round(periods)) > 1e-9 * periods:
         raise InputError(
             f"duration {duration:g} s holds {periods:.6g} periods of the base frequency, {base_frequency:g} Hz: "
-            "it must be a whole number, or the motion would not end at rest",
+            "it must be a whole number for the motion to end at rest",
             periods=periods,
         )
     return base_frequency
@@ -193,7 +193,7 @@ def _frequency(duration: float, base_frequency: float | None) -> float:
 
 def _check_driven(robot: Robot) -> None:
     if not len(robot.joints) == robot.nv == robot.nq:
-        rule = "every one must be driven, and have one coordinate: a floating base cannot be commanded"
+        rule = "every joint must be driven and have one coordinate; a floating base cannot be commanded"
         raise InputError(f"robot {robot.name!r} has {robot.nv} speeds and {len(robot.joints)} driven joints: {rule}")
 
 

@@ -68,7 +68,7 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
         told = float(sheet["base_frequency_Hz"])
         centre, sine, cosine = (np.array(sheet[key], dtype=np.float64) for key in ("centre", "sine", "cosine"))
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
-        raise InputError(f"file is not an excitation that was written here: {error!r}", place=path) from error
+        raise InputError(f"file is not an excitation written by cutpoint: {error!r}", place=path) from error
     fits = {
         "version": (version, VERSION),
         "joints": (joints, list(robot.joints)),
@@ -85,8 +85,8 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
 def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Array]) -> None:
     for what, (found, wanted) in fits.items():
         if found != wanted:
-            remedy = "to begin anew, name another file (resume=) or folder (--output)"
-            raise InputError(f"its {what}, {found!r}, must be {wanted!r} to go on from it; {remedy}", place=path)
+            remedy = "to start afresh, name another file (resume=) or folder (--output)"
+            raise InputError(f"its {what}, {found!r}, must be {wanted!r} to resume from it; {remedy}", place=path)
     if not all(np.isfinite(x).all() for x in coefficients):
         raise InputError("its coefficients must be finite", place=path)
 

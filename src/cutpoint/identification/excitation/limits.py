@@ -110,7 +110,7 @@ def _box(robot: Robot, frame: str, box: Box) -> Limit:
     try:
         low, high = (np.broadcast_to(np.asarray(side, dtype=np.float64), 3) for side in box)
     except (TypeError, ValueError):
-        raise InputError(f"frame {frame!r}: a box is (low, high), each of three numbers, m", frame=frame) from None
+        raise InputError(f"frame {frame!r}: a box is (low, high), each three numbers, m", frame=frame) from None
     if not (low < high).all():
         raise InputError(f"frame {frame!r}: box from {low} to {high} is empty: low must be below high", frame=frame)
     which = np.flatnonzero(np.isfinite(low) | np.isfinite(high))

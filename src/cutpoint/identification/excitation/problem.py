@@ -121,7 +121,7 @@ class Problem:
         limit, column = self.limits[tightest], int(rooms[tightest].argmin())
         x, unit = limit.values(motion)[:, column], limit.units[column]
         what = f"{'frame' if limit.kind == 'place' else 'joint'} {limit.names[column]!r}: {limit.kind}"
-        allowed = f"{limit.low[column]:.4g} to {limit.high[column]:.4g} {unit} are allowed"
+        allowed = f"{limit.low[column]:.4g} to {limit.high[column]:.4g} {unit} is allowed"
         told = f"{what} runs from {x.min():.4g} to {x.max():.4g} {unit} where {allowed}"
         return Worst(float(rooms[tightest].min()), told)
 

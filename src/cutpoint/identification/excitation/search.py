@@ -92,7 +92,7 @@ def search(
 def _nothing(found: Found, seconds: float) -> InputError:
     slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
     remedy = f"allow more there, or {slower}, or {longer}"
-    told = found.worst.told if found.worst else "motions keep all limits, but do not tell all parameters"
+    told = found.worst.told if found.worst else "motions keep within all limits but do not tell all parameters"
     return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
 
 

@@ -97,7 +97,7 @@ def _sorted(stamps: Array, rows: NDArray[np.intp], name: str, notes: list[str]) 
     if back.size < BAD * rows.size and -steps[worst] > SET_BACK * period:
         raise InputError(
             f"{name}: time goes back by {-steps[worst]:.6g} s at sample {rows[worst + 1]}: a clock was set back, "
-            "or one run follows another; split the log there, and give one part",
+            "or one run follows another; split the log there, and give the parts as several logs",
             sample=int(rows[worst + 1]),
         )
     notes.append(f"{name}: {back.size} of {rows.size} time steps go back; samples were sorted by time")

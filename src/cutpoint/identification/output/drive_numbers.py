@@ -34,9 +34,9 @@ UNITS: Mapping[str, str] = {
 LATENESS = 0.02
 """Standard deviation of an unknown delay of torques, as a share of a period; it looks like damping."""
 
-NOT_APART = "its spring, which would tell it from the link, is not seen; what torques tell of it is with the links"
+NOT_APART = "its spring, which would separate it from the link, is not seen; what torques tell of it is with the links"
 
-BY_COULOMB = "by Coulomb's law, whatever was chosen with the links, so that its interval knows of scatter alone"
+BY_COULOMB = "by Coulomb's law, whatever was chosen with the links, so its interval covers scatter only"
 
 SUMS = {"t2": ("t1", "t2 - t1")}
 """Constants of spring laws that are sums of unknowns."""

@@ -105,7 +105,7 @@ def wave_picture(robot: Robot, found: Mapping[str, Bending]) -> Figure:
     for axes, (joint, each) in zip(panels, found.items(), strict=True):
         axes.plot(ORDERS, 1e6 * amplitudes(each.angle, each.left, ORDERS), color=MOTOR, linewidth=1.0)
         titled(axes, f"{joint}: amplitude [{ways[joint]}]")
-        axes.set_xlabel("waves a turn of the motor")
+        axes.set_xlabel("waves per motor turn")
     return figure
 
 

@@ -56,8 +56,8 @@ def _of_all(errors: TorqueErrors) -> list[str]:
     times = float(np.linalg.norm(errors.measured[known]) / max(np.linalg.norm(errors.before[known]), TINY))
     if 1.0 / UNLIKE < times < UNLIKE:
         return []
-    check = "check their unit, and whether they are of the motor's shaft or of the joint"
-    return [f"torques are {times:.3g} times what the robot's files ask for this motion: {check}"]
+    check = "check their unit, and whether they are at the motor's shaft or at the joint"
+    return [f"torques are {times:.3g} times what the robot's files predict for this motion: {check}"]
 
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
@@ -68,8 +68,8 @@ def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     if not found:
         return []
     which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)
-    what = "most of the squared torque error on the part held out comes from when they rest"
-    return [f"{what}, where friction is whatever holds them and no law tells it: {which}"]
+    what = "most of the squared torque error on the part held out occurs at rest"
+    return [f"{what}, where friction is whatever holds the joint and no law predicts it: {which}"]
 
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
@@ -77,15 +77,15 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
     is_large = held > SMALL * errors.size()[j]
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
-        what = f"the model misses its torque by {fitted:.3g} {unit} RMS, where that is {errors.size()[j]:.3g}"
-        turned = "is the sign of the torque, or of the position, turned?"
-        asked = f"it goes against what the files ask: {turned}" if errors.likeness()[j] < TURNED else ""
+        what = f"the model misses its torque by {fitted:.3g} {unit} RMS, out of {errors.size()[j]:.3g}"
+        turned = "is the sign of the torque or of the position reversed?"
+        asked = f"it opposes what the files predict: {turned}" if errors.likeness()[j] < TURNED else ""
         notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
     if errors.speed(True)[j] < STILL * errors.speed()[j]:
-        notes.append(" hardly moves on the part held out: its error there judges nothing")
+        notes.append(" hardly moves on the part held out: its error there proves nothing")
     if held > WORSE * fitted and is_large:
-        times = f"{held / fitted:.1f} times that on the part that was fitted"
-        reason = "it moves otherwise there, or the machine changed"
+        times = f"{held / fitted:.1f} times that on the fitted part"
+        reason = "it moves differently there, or the machine changed"
         notes.append(f": torque error on the part held out is {times}: {reason}")
     if ratio.is_more and is_large:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
@@ -93,7 +93,7 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
     drift = float(errors.drift()[j])
     if abs(drift) > max(DRIFTS * fitted, SMALL * errors.size()[j]):
         what = f"{abs(drift):.3g} {unit} {'more' if drift > 0.0 else 'less'}"
-        remedy = "as where it warms up: what was found is between; record it warm, or for a shorter time"
+        remedy = "as if warming up: the result lies in between; record it warm, or for a shorter time"
         notes.append(f": friction takes {what} at the end of the log than at its beginning, {remedy}")
     if fitted > MORE * before:
         notes.append(": the identified model explains its torque worse than the files did")

@@ -58,7 +58,7 @@ def estimates(
             rigid.robot, stamped, resolution, torque_delay, lambda joint: say(f"spring of {joint}")
         )
     except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
-        why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed while they were sought"
+        why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed during the search"
         return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
     found = drives.joints.items()
     remarks = (*_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.remarks)
@@ -67,7 +67,7 @@ def estimates(
     errors = {joint: error for joint, error in errors.items() if error is not None}
     if not apart and not errors:
         return Estimates(rigid, drives, (), remarks)
-    say("links again, by what the motors tell")
+    say("links again, with what the motors tell")
     # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
@@ -89,8 +89,8 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     if not counts:
         return ()
     told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
-    few = f"half of a deflection's range is few steps of the encoders ({told})"
-    then = "rotors came out up to 5 % off and damping up to twice too large, both further off than intervals say"
+    few = f"half a deflection's range is only a few encoder steps ({told})"
+    then = "rotors came out up to 5 % off and damping up to twice too large, both beyond their intervals"
     return (f"{few}: below {FINE:g}, {then}",)
 
 
@@ -100,10 +100,8 @@ def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
     if not found:
         return ()
     told = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
-    then = "weights are told by the links' encoders, and are as wrong as their zeros are"
-    return (
-        f"motors' encoders are ahead of the links' where springs bear nothing ({told}): have both one zero?  {then}",
-    )
+    then = "weights come from the links' encoders, and are as wrong as their zeros"
+    return (f"motors' encoders lead the links' where springs carry no load ({told}): do their zeros agree?  {then}",)
 
 
 def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:

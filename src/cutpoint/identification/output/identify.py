@@ -101,7 +101,7 @@ def identify(
             fitted, held_from = _fitted(recording, hold_out)
             drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
             found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
-            say("torques on the part that was held out")
+            say("torques on the part held out")
             errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
     return _identification(before, file, recording, found, errors)
@@ -178,8 +178,8 @@ def _one_sided(robot: Robot, recording: Recording) -> list[str]:
     if not missing or not any(drive.is_elastic for drive in robot.drives.values()):
         return []
     there, other = ("motors", "links") if "q" in missing else ("links", "motors")
-    told = f"only the {there}' positions were recorded, and stand for the {other}', though drives bend"
-    return [f"{told}: no interval counts what they differ by"]
+    told = f"only the {there}' positions were recorded and stand in for the {other}', though drives bend"
+    return [f"{told}: no interval covers their difference"]
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:

@@ -56,7 +56,7 @@ class Number:
         low, high = sorted((self.scale * self.low, self.scale * self.high))
         words = _interval(low, high, self.scale * self.used)
         within = self.low <= self.used <= self.high or np.isnan(self.used)
-        return words if within else f"{words} by the log alone; with bodies and friction that can exist, this fits best"
+        return words if within else f"{words} from the log alone; of possible bodies and friction, this fits best"
 
 
 def _interval(low: float, high: float, value: float) -> str:

@@ -29,7 +29,7 @@ def _heading(found: Identification) -> Heading:
     span = float(recording.time[-1] - recording.time[0])
     joints = len(found.robot.joints)
     about = f"{found.robot.name}: {joints} joints, a log of {span:.4g} s, {recording.time.size} samples"
-    held = f"{found.errors.held_out.mean():.0%} of the log, at its end, had no part in the fit."
+    held = f"{found.errors.held_out.mean():.0%} of the log, at its end, was held out of the fit."
     return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
 
 
@@ -37,14 +37,14 @@ def _torques(found: Identification) -> Page:
     errors, unit = found.errors, either(at_joints(found.robot, "N m").values())
     with styled():
         curves, left = torque_picture(errors, found.robot), residual_picture(errors, found.robot)
-    width = f"all torques without what is faster than {errors.bandwidth:.3g} Hz"
+    width = f"all torques without content above {errors.bandwidth:.3g} Hz"
     blocks: tuple[Block, ...] = (
         Table("Table 1", f"RMS of torque errors, {unit} at the joint; {width}", ERROR_COLUMNS, error_rows(found)),
-        "Plain least squares: rigid bodies, Coulomb and viscous friction and an offset, every joint's torque alike."
-        " The last column is an interval of 95 % of the identified model's error over theirs, by a bootstrap of blocks"
-        " of time: better or worse where it leaves out one.",
-        Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on grey ground.", curves),
-        Picture("Figure 2", "What the identified model leaves of the part that was fitted, and held out.", left),
+        "Plain least squares: rigid bodies, Coulomb and viscous friction and an offset, all torques weighted alike."
+        " The last column is a 95 % interval of the identified model's error over theirs, by a block bootstrap over"
+        " time: better or worse where it excludes one.",
+        Picture("Figure 1", f"Torques of the motors; {width}. The part held out is on a grey background.", curves),
+        Picture("Figure 2", "Residuals of the identified model, on the fitted part and the part held out.", left),
     )
     return Page("torques", "Torques", blocks)
 
@@ -71,10 +71,10 @@ def error_rows(found: Identification) -> tuple[tuple[str, ...], ...]:
 def _numbers(found: Identification) -> Page:
     heads = ("name", "unit", "the log alone", "95 % interval", "in the model", "in the files", "told")
     rows = tuple(_row(number) for number in found.numbers)
-    table = Table("Table 2", "All that was sought, SI units at the joint's side", heads, rows)
+    table = Table("Table 2", "Everything sought, in SI units at the joint's side", heads, rows)
     how = (
-        "A base parameter is a combination of inertial parameters that torques tell; its name lists what it is made of."
-        " The model's bodies are those that can exist which come nearest to the log and, where it tells nothing, to the"
+        "A base parameter is a combination of inertial parameters that torques determine; its name lists them."
+        " The model's bodies are the physically possible ones nearest to the log and, where it tells nothing, to the"
         " files."
     )
     return Page("numbers", "Numbers", (how, table))
@@ -106,14 +106,14 @@ def _drives(found: Identification) -> list[Page]:
         loops, waves = loop_picture(found.robot, found.drives, bent), wave_picture(found.robot, bent)
     over = "Torque on the link over deflection without kinematic error, and the spring's law (green)."
     left = (
-        "What the springs leave of the encoders' difference, over waves a turn of the motor."
-        " Waves of the kinematic error that come faster than the drive rings wind its spring, and show smaller."
+        "What the springs do not explain of the encoders' difference, over waves per motor turn."
+        " Waves of the kinematic error faster than the drive's resonance wind its spring, and appear smaller."
     )
     blocks = (Picture("Figure 3", over, loops), Picture("Figure 4", left, waves))
     return [Page("drives", "Drives", blocks)]
 
 
 def _said(found: Identification, notes: Sequence[str]) -> Page:
-    untold = found.untold or ("Everything that was sought is told.",)
+    untold = found.untold or ("Everything sought is told.",)
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
     return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))

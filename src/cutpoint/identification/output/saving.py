@@ -31,7 +31,7 @@ def check_folder(folder: Path, force: bool) -> None:
     if there and not force:
         names = ", ".join(there)
         raise InputError(
-            f"output {str(folder)!r} already holds {names}; name another, or say --force, force=True", output=folder
+            f"output {str(folder)!r} already holds {names}; name another, or give --force (force=True)", output=folder
         )
 
 
@@ -62,7 +62,7 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
             remarks[number.joint][number.path] = number.remark
     offsets = [note for number in found.numbers if (note := _offset(number))]
     notes += offsets
-    heading = [f"Identified by cutpoint {__version__}; remarks are intervals of 95 %, as the log alone tells."]
+    heading = [f"Identified by cutpoint {__version__}; remarks are 95 % intervals, from the log alone."]
     heading += offsets
     try:
         files["robot.drives.yaml"] = remarked_drives(found.robot.drives, remarks, heading).encode()
@@ -75,8 +75,8 @@ def _offset(number: Number) -> str:
     """A note on a torque offset, which no file holds though a report's errors include it; else empty."""
     if not (number.name.startswith("offset.") and number.told and not number.low <= 0.0 <= number.high):
         return ""
-    torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque are an offset, of a sensor or a current"
-    return f"{torque}: no file holds it, and models made of these files err by it"
+    torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque is an offset, of a sensor or a current"
+    return f"{torque}: no file holds it, so models made from these files are off by it"
 
 
 def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
@@ -86,10 +86,10 @@ def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
         content = expand(source).encode() if is_xacro else read_bytes(source, MAXIMUM_BYTES)
         text, moved = updated_urdf(content, found.before.mechanism, found.robot.mechanism, str(source))
         notes = [f"robot.urdf: {words}" for words in moved]
-        return {"robot.urdf": text}, [*notes, *(["robot.urdf is the xacro file expanded"] * is_xacro)]
+        return {"robot.urdf": text}, [*notes, *(["robot.urdf is the expanded xacro file"] * is_xacro)]
     text = json.dumps(bodies_of(found.robot), indent=1, ensure_ascii=False, allow_nan=False).encode()
     what = "an MJCF file" if source else "a robot in memory"
-    note = f"the robot is {what}, which is not rewritten: put robot.inertias.json's numbers into it by hand"
+    note = f"the robot is {what}, which is not rewritten: copy the numbers of robot.inertias.json into it by hand"
     return {"robot.inertias.json": text}, [note]
 
 

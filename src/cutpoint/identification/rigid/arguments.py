@@ -24,19 +24,19 @@ def check_method(method: str) -> None:
 def check_numbers(method: str, instruments: Recording | None, level: float, spread: float) -> None:
     """Raises InputError for an unknown method, for instruments that do not match it, and for shares out of range."""
     check_method(method)
-    rule = "a Recording of the motion that was asked for, at the same times"
+    rule = "a Recording of the commanded motion, at the same times"
     check_kind("identify_rigid", "instruments", instruments, (Recording, NoneType), rule)
     if instruments is not None and method != "instrumental":
         raise InputError(f"instruments go with method='instrumental', not with {method!r}", method=method)
     if not 0.0 < number("identify_rigid", "level", level) < 1.0:
-        raise InputError(f"level {level} must lie between 0 and 1, as 0.95", level=level)
+        raise InputError(f"level {level} must lie between 0 and 1, such as 0.95", level=level)
     if not 0.0 < number("identify_rigid", "prior_spread", spread) < np.inf:
-        raise InputError(f"prior_spread {spread} must be positive, as a share: 0.5 is half of a body's mass")
+        raise InputError(f"prior_spread {spread} must be a positive share: 0.5 is half of a body's mass")
 
 
 def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> Mapping[str, Friction]:
     """Known link friction, by joint.  Raises InputError for anything else."""
-    rule = "a law for each of some joints, by name, such as {'elbow': Coulomb(2.0, 0.5)}"
+    rule = "a mapping of joint names to laws, such as {'elbow': Coulomb(2.0, 0.5)}"
     check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
     for joint, law in (of_links or {}).items():
         checked_name("driven joint", joint, robot.joints)
@@ -46,7 +46,7 @@ def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> M
 
 def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) -> Mapping[str, KinematicError]:
     """Known kinematic errors, by joint.  Raises InputError for anything else."""
-    rule = "a KinematicError for each of some joints, by name"
+    rule = "a mapping of joint names to KinematicErrors"
     check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
     for joint, error in (errors or {}).items():
         checked_name("driven joint", joint, robot.joints)
@@ -56,7 +56,7 @@ def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) ->
 
 def check_rotor_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:
     """Raises InputError for deviations that are not numbers, or of rotors that are identified (sought, by joint)."""
-    rule = "a standard deviation, kg m2, for each of some joints, by name"
+    rule = "a mapping of joint names to standard deviations, kg m2"
     check_kind("identify_rigid", "rotor_errors", errors, (Mapping, NoneType), rule)
     for joint, error in (errors or {}).items():
         checked_name("driven joint", joint, robot.joints)
@@ -64,5 +64,5 @@ def check_rotor_errors(errors: Mapping[str, float] | None, robot: Robot, sought:
             rule = "must be finite, and not negative"
             raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {error} kg m2 {rule}", joint=joint)
         if joint in sought:
-            rule = f"is of a rotor that is sought; name in rotors= the others alone, of {', '.join(sought)}"
+            rule = f"is for a rotor that is sought; name only the others in rotors=, of {', '.join(sought)}"
             raise InputError(f"identify_rigid: rotor_errors[{joint!r}] {rule}", joint=joint)

@@ -59,4 +59,4 @@ def cvxpy() -> Any:
         return import_module("cvxpy")
     except ImportError as error:
         rule = "bodies by linear matrix inequalities need cvxpy and clarabel: pip install 'cutpoint[identify]'"
-        raise CutpointError(f"{rule}, or take solver='log_cholesky', --solver log_cholesky") from error
+        raise CutpointError(f"{rule}, or use solver='log_cholesky', --solver log_cholesky") from error

@@ -242,9 +242,9 @@ def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
     if found.told > LITTLE * len(found.parameters):
         return found
     before = LATER * float(np.median(np.diff(found.times)))
-    told = f"instruments tell {found.told} of {len(found.parameters)} numbers: they move as was {before:.3g} s before"
-    remedy = "give identify_rigid the motion that was asked for, as instruments, or take method='huber', --method huber"
-    return replace(found, notes=(*found.notes, f"{told}, and by then it is another; {remedy}"))
+    told = f"instruments tell {found.told} of {len(found.parameters)} numbers: they are the motion {before:.3g} s ago"
+    remedy = "give identify_rigid the commanded motion as instruments, or use method='huber', --method huber"
+    return replace(found, notes=(*found.notes, f"{told}, which has changed by then; {remedy}"))
 
 
 def _rotor_torques(base: BaseParameters, log: TorqueData, errors: Mapping[str, float]) -> Array:
@@ -266,5 +266,5 @@ def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[Frict
 
 def _asked(robot: Robot, recording: Recording, instruments: Recording, cutoff: float) -> Motion:
     if not np.array_equal(recording.time, instruments.time):
-        raise InputError("instruments must have the recording's times: take the reference at recording.time")
+        raise InputError("instruments must have the recording's times: sample the reference at recording.time")
     return motion_of(robot, instruments, cutoff)

@@ -59,7 +59,7 @@ def lagged(times: Array, rows: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]
     """The rows at times (M,) that have another so many rows earlier, without a gap in between; and those others."""
     step = float(np.median(np.diff(times)))
     if len(times) <= rows:
-        raise InputError(f"{len(times)} rows are too few for instruments of {rows} rows before: record a longer motion")
+        raise InputError(f"{len(times)} rows are too few for instruments {rows} rows before: record a longer motion")
     before = np.flatnonzero(times[rows:] - times[:-rows] < (rows + 0.5) * step)
     return before + rows, before
 

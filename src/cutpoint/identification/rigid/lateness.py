@@ -51,7 +51,7 @@ def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequ
     notes: list[str] = []
     for j in np.flatnonzero(apart & late).tolist():
         words = _late(f"torques of {joints[j]}", delays[j], covariance[j, j] + unmodelled**2)
-        remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, {EFFORTS}) moves these alone"
+        remedy = f"aligned(recording, {{{joints[j]!r}: {delays[j]:.2g}}}, {EFFORTS}) moves only these"
         notes.append(f"{words}, unlike those of other joints: check how they are stamped; {remedy}")
     rest = told & ~apart
     if rest.any():
@@ -60,20 +60,20 @@ def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequ
         if abs(delay) > max(worth, CERTAIN * np.sqrt(variance)):
             on_time = [joints[j] for j in np.flatnonzero(apart & ~late).tolist()]
             whose = f"torques of all joints but {', '.join(on_time)}" if on_time else "torques"
-            remedy = f"add {-delay:.2g} to torque_delay, --delay (0 where it is not given)"
+            remedy = f"add {-delay:.2g} to torque_delay, --delay (0 if not given)"
             if on_time:
-                remedy = f"move these alone by aligned(recording, {{JOINT: {delay:.2g}, ...}}, {EFFORTS})"
+                remedy = f"move only these by aligned(recording, {{JOINT: {delay:.2g}, ...}}, {EFFORTS})"
             notes.append(f"{_late(whose, delay, variance + unmodelled**2)}: check the clocks, or {remedy}")
     if bend and notes:
-        notes[-1] += "; of several delays, take the one whose model misses least of the part held out"
+        notes[-1] += "; of several delays, take the one with the least error on the part held out"
         if not beside.shape[2]:
-            notes[-1] += "; dry friction on the side of the drives that has no encoder looks like that, too"
+            notes[-1] += "; dry friction on the drives' side without an encoder looks the same"
     return notes
 
 
 def _late(torques: str, delay: float, variance: float) -> str:
     by, when = f"{1e3 * abs(delay):.2g} +- {1e3 * np.sqrt(variance):.1g} ms", "later" if delay > 0.0 else "earlier"
-    return f"{torques} come {by} {when} than the motion that they belong to"
+    return f"{torques} come {by} {when} than the motion they belong to"
 
 
 def lateness(found: Regression, values: Array, beside: Array) -> tuple[Array, Array]:

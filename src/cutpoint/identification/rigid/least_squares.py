@@ -106,7 +106,7 @@ def check_size(regression: Regression) -> None:
     if rows < 2 * count:
         whole = 1 + round(float(np.ptp(times) / np.diff(times).min())) if times.size > 1 else 1
         lost = f" (gaps leave {times.size} of {whole} means)" if times.size < whole else ""
-        remedy = f"record {'without gaps, or ' * bool(lost)}a longer motion, or raise bandwidth, --bandwidth"
+        remedy = f"record {'without gaps, or ' * bool(lost)}a longer motion, or raise bandwidth (--bandwidth)"
         rule = f"{rows} torques{lost} are too few for {count} parameters: {remedy}"
         raise InputError(rule, rows=rows, parameters=count)
 

@@ -51,7 +51,7 @@ def solve(fit: Fit) -> Array:
         )
     if not found.success:
         remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
-        raise CutpointError(f"the search for physical bodies did not end in {STEPS} steps: {remedy}")
+        raise CutpointError(f"the search for physical bodies did not converge in {STEPS} steps: {remedy}")
     return _unknowns(fit, found.x)
 
 

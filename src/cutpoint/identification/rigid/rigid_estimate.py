@@ -179,7 +179,7 @@ def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str])
 
 def _standing(robot: Robot, log: TorqueData) -> list[str]:
     still = ", ".join(still_joints(robot, log.motion))
-    return [f"{still} stood still: what moves with these alone, and their friction, is not told"] if still else []
+    return [f"{still} stood still: what moves only with these, and their friction, is not told"] if still else []
 
 
 def _simplified(model: RigidModel, robot: Robot) -> list[str]:
@@ -190,8 +190,8 @@ def _simplified(model: RigidModel, robot: Robot) -> list[str]:
         for joint, drive in robot.drives.items()
         if drive.link_friction and not drive.motor_friction and model.laws[joint].per_load is not None
     ]
-    spins = "their carriers' turning about their axes asks nothing of them here, and bodies take on what it does"
-    loads = "only a motor's friction does: it is stated for the motor now"
+    spins = "their carriers' rotation about their axes does not load them here, and bodies absorb its effect"
+    loads = "only a motor's can, so it is now stated for the motor"
     return [f"{', '.join(joints)} {words}" for joints, words in (
         (coupled, f"have rotors with full coupling: {spins}"), (moved, f"have friction that grows with load: {loads}")
     ) if joints]  # fmt: skip
@@ -202,6 +202,6 @@ def _notes(log: TorqueData, found: Regression, estimate: Estimate) -> list[str]:
     return [
         f"positions low-passed at {log.motion.cutoff:.4g} Hz, torques explained up to {log.width:.4g} Hz: "
         f"{len(found.times)} means of {log.means.window.size} samples, {step:.4g} s apart",
-        f"intervals take residuals to be related over {lag} means, {lag * step:.3g} s, "
+        f"intervals treat residuals as correlated over {lag} means, {lag * step:.3g} s, "
         f"and have {estimate.spread.degrees:.0f} degrees of freedom",
     ]

@@ -64,7 +64,7 @@ def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
 
 def _why(deviation: float, reference: float) -> str:
     if not np.isfinite(deviation):
-        return "this motion does not excite it, or not apart from others"
+        return "this motion does not excite it, or not separately from others"
     if deviation > TOLD * reference:
         return f"its standard deviation, {deviation:.3g}, is {deviation / reference:.0%} of its usual size"
     return ""
@@ -75,7 +75,7 @@ def untold(found: Sequence[Parameter], base: BaseParameters) -> tuple[str, ...]:
     said = [f"{each.name}: {each.why}; {_instead(each)}" for each in found if not each.told]
     if base.unidentifiable:
         some = ", ".join(base.unidentifiable[:4]) + (" ..." if len(base.unidentifiable) > 4 else "")
-        said.append(f"no torque of any motion tells {len(base.unidentifiable)} single parameters: {some}")
+        said.append(f"no torque of any motion tells {len(base.unidentifiable)} parameters singly: {some}")
     return tuple(said)
 
 
@@ -92,18 +92,18 @@ def _instead(found: Parameter) -> str:
 def strained(found: Sequence[Parameter]) -> list[str]:
     """Sentences if physically consistent bodies, near the file's, or friction could not match the log."""
     if turned := _turned(found):
-        reason = "is the sign of the torque, or of the position, turned?"
+        reason = "is the sign of the torque or of the position reversed?"
         return [f"friction or inertia of {turned} comes out negative: {reason}"]
     far = [x.name for x in found if x.told and abs(x.physical - x.value) > STRAINED * (x.high - x.value)]
     rubs = [name for name in far if name.partition(".")[0] in FRICTION]
     bodies = [name for name in far if name not in rubs]
     notes: list[str] = []
     if bodies:
-        reason = "the file's bodies, near which they stay, may be placeholders: state about what they weigh"
-        notes.append(f"the model's bodies leave the intervals of {len(bodies)} told numbers, {_some(bodies)}: {reason}")
+        reason = "the file's bodies, near which they stay, may be placeholders; state roughly what they weigh"
+        notes.append(f"the model's bodies miss the intervals of {len(bodies)} told numbers, {_some(bodies)}: {reason}")
     if rubs:
         reason = "no part of friction may push, nor be less at rest than in motion"
-        notes.append(f"the model's friction leaves the intervals of {_some(rubs)}: {reason}")
+        notes.append(f"the model's friction misses the intervals of {_some(rubs)}: {reason}")
     return notes
 
 
