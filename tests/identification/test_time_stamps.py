@@ -106,7 +106,7 @@ def test_a_period_that_is_another_units_is_refused(factor: float, unit: str):
         (
             np.concatenate([T[:250], T[:150]]),
             r"q: time goes back by 0.249 s at sample 250: a clock was set back, "
-            r".*; split the log there, and give one part",
+            r".*; split the log there, and give the parts as several logs",
         ),
         (np.floor(T / 4e-3) * 4e-3, r"q: samples at the same time as another, .*: 300 of 400, more than 5%"),
         (np.where(np.arange(400) % 4, T, np.nan), r"q: samples without a time: 100 of 400, more than 5%: take another"),
