@@ -187,7 +187,7 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         law: Any = control.Guard(control.tune(arm, 4.0, control.VDC, control_period=period), arm)
     else:
         law = control.tune(arm, 4.0, control_period=period) + control.Feedforward(arm, "elastic")
-    export_controller(arm, law, tmp_path / "expected", period=period)
+    export_controller(arm, law, tmp_path / "expected", control_period=period)
     for path in (tmp_path / "expected").iterdir():
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
 

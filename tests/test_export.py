@@ -79,7 +79,7 @@ def test_every_function_exports_in_single_precision(arm: cutpoint.Robot, name: s
 
 def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) -> None:
     law = AdaptiveVDC(arm, 20.0, 50.0, 1.0, 1e-3)
-    export_controller(arm, law, tmp_path, period=PERIOD, precision="float32")
+    export_controller(arm, law, tmp_path, control_period=PERIOD, precision="float32")
     build(tmp_path, "control_step.c", "control_step_check.c", "-o", "check", flags=(*SINGLE, "-O1"))
     assert run(tmp_path)[0] == 0
     header = (tmp_path / "control_step.h").read_text()
@@ -92,7 +92,7 @@ def test_a_guard_needs_a_clock_that_single_precision_has_not(arm: cutpoint.Robot
     with pytest.raises(
         InputError, match=r"a Guard measures its deadlines by time, .* or export the law that it guards"
     ):
-        export_controller(arm, guarded, tmp_path, period=PERIOD, precision="float32")
+        export_controller(arm, guarded, tmp_path, control_period=PERIOD, precision="float32")
     assert not [*tmp_path.iterdir()]
 
 
@@ -104,13 +104,13 @@ def test_numbers_that_single_precision_loses_are_refused(
 ) -> None:
     law = PD([gain] * 6, [1.0] * 6)
     with pytest.raises(InputError, match=told):
-        export_controller(arm, law, tmp_path, period=PERIOD, precision="float32")
-    export_controller(arm, law, tmp_path, period=PERIOD)
+        export_controller(arm, law, tmp_path, control_period=PERIOD, precision="float32")
+    export_controller(arm, law, tmp_path, control_period=PERIOD)
 
 
 def test_a_laws_memory_has_labels(arm: cutpoint.Robot, tmp_path: Path) -> None:
     law = Guard(Integrating(), arm, torque_limit=200.0)
-    export_controller(arm, law, tmp_path, period=PERIOD)
+    export_controller(arm, law, tmp_path, control_period=PERIOD)
     header = (tmp_path / "control_step.h").read_text()
     labels = re.findall(r"/\* (memory [^*]+) \*/", header)
     assert len(labels) == len(set(labels)) == law_memory(law).size
@@ -165,7 +165,7 @@ def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tm
     law = PD([2000.0] * 6, [60.0] * 6) + Feedforward(arm, "elastic") + Integrating()
     move = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 0.5)
     log = cutpoint.simulate(arm, law, move, duration=0.05, control_period=PERIOD)
-    export_controller(arm, law, tmp_path, period=PERIOD)
+    export_controller(arm, law, tmp_path, control_period=PERIOD)
     step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph, flags=("-O1",))
     memory, parameters = law_memory(law), law_parameters(law, PERIOD)
     reference = move.derivatives(log.time, 4)
@@ -178,7 +178,7 @@ def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tm
 
 
 def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
+    export_controller(arm, Integrating(), tmp_path, control_period=PERIOD, name="law")
     build(tmp_path, "law.c", "law_check.c", "-o", "check", flags=(*STRICT, "-O0"))
     assert run(tmp_path)[0] == 0
     header = (tmp_path / "law.h").read_text()
@@ -188,7 +188,7 @@ def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot,
 def test_the_check_of_a_law_sees_its_memory(arm: cutpoint.Robot, tmp_path: Path) -> None:
     """Memory that begins as zeros goes on from case to case."""
     law = PID([9.0] * 6, [8.0] * 6, [7.0] * 6, [0.5] * 6)
-    export_controller(arm, law, tmp_path, period=PERIOD, name="law")
+    export_controller(arm, law, tmp_path, control_period=PERIOD, name="law")
     source = (tmp_path / "law.c").read_text()
     for text, expected in ((source, 0), (source.replace("= memory[0];", "= memory[1];"), 1)):
         (tmp_path / "law.c").write_text(text)
@@ -207,7 +207,7 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
     """Joints without a drive are not among the law's numbers."""
     (tmp_path / "free.xml").write_text(FREE)
     tree = cutpoint.load(tmp_path / "free.xml")
-    export_controller(tree, PD([1.0], [1.0]), tmp_path, period=PERIOD, name="law")
+    export_controller(tree, PD([1.0], [1.0]), tmp_path, control_period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
     assert "in   q: 1, not read; rad (m): driven" in header and "in   theta: 1, rad (m): driven" in header
     assert "feedforward_torque: 1, N m (N), already included in torque" in header
@@ -215,12 +215,12 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
 
 
 def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    export_controller(arm, Guard(Integrating(), arm), tmp_path, period=PERIOD, name="law")
+    export_controller(arm, Guard(Integrating(), arm), tmp_path, control_period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
     (told,) = re.findall(r"out  fault: a number, .*: (.*)", header)
     assert told.split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
     assert re.search(r"in   memory: \d+, of the law: initially the table whose name ends in _memory", header)
-    export_controller(arm, Summing(), tmp_path, period=PERIOD, name="law")
+    export_controller(arm, Summing(), tmp_path, control_period=PERIOD, name="law")
     assert not re.search("memory.*joint1", (tmp_path / "law.h").read_text())
 
 
@@ -296,7 +296,7 @@ def test_cpp_takes_the_headers_table(arm: cutpoint.Robot, compiler: str, tmp_pat
 def test_a_header_with_tables_suits_every_cpp(
     arm: cutpoint.Robot, tmp_path: Path, standard: str, compiler: str
 ) -> None:
-    export_controller(arm, Integrating(), tmp_path, period=PERIOD, name="law")
+    export_controller(arm, Integrating(), tmp_path, control_period=PERIOD, name="law")
     table = f"return law_parameters[0] != {PERIOD};" if standard == "c++17" else "return 0;"
     (tmp_path / "use.cpp").write_text(f'#include "law.h"\nint main() {{ {table} }}\n')
     done = compiled_cpp(tmp_path, compiler, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
@@ -411,20 +411,20 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
     with pytest.raises(InputError, match="no precision is named 'single'; there are: 'float64', 'float32'"):
         export_function(arm, "mass_matrix", tmp_path, precision="single")
     with pytest.raises(InputError, match="no precision is named 'float16'; there are"):
-        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, period=PERIOD, precision="float16")
+        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, control_period=PERIOD, precision="float16")
     with pytest.raises(InputError, match="PD is for 2 drives, the robot has 6"):
-        export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, period=PERIOD)
-    with pytest.raises(InputError, match=r"period 0\.0 s must be positive"):
-        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, period=0)
+        export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, control_period=PERIOD)
+    with pytest.raises(InputError, match=r"control_period 0\.0 s must be positive"):
+        export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, control_period=0)
     with pytest.raises(InputError, match=r"has no step\(memory, measurement, reference\)"):
-        export_controller(arm, None, tmp_path, period=PERIOD)
+        export_controller(arm, None, tmp_path, control_period=PERIOD)
 
     class Branching(Integrating):
         def step(self, memory: Any, m: Any, r: Any) -> Any:
             return memory, (r.q if m.q[0] > 0 else m.q)
 
     with pytest.raises(TraceError, match="has no truth value"):
-        export_controller(arm, Branching(), tmp_path, period=PERIOD)
+        export_controller(arm, Branching(), tmp_path, control_period=PERIOD)
     assert not [*tmp_path.iterdir()]
 
 
@@ -454,7 +454,7 @@ def test_the_command_line_exports_what_floats_along_the_axes_that_are_asked_for(
 
 def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: Path) -> None:
     law = Guard(PD([1.0] * 6, [1.0] * 6) + Feedforward(arm), arm)
-    export_controller(arm, law, tmp_path, period=PERIOD, name="law")
+    export_controller(arm, law, tmp_path, control_period=PERIOD, name="law")
     text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
     (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous \*/", text)
     assert float.fromhex(found) == arm.drives["joint2"].link_friction.viscous

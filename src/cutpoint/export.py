@@ -85,14 +85,14 @@ def export_controller(
     law: Any,
     folder: str | Path,
     *,
-    period: float,
+    control_period: float,
     precision: str = "float64",
     name: str = "control_step",
     force: bool = False,
 ) -> tuple[Path, ...]:
     """Writes one step of a control law as a package of C99, the same step that simulation compiles into its loop.
 
-    period: of control, s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
+    control_period: s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
     the law's memory before the first step.  Torque limits are not applied.
     precision: "float64", or "float32", where a position at pi rad comes in steps of 2.4e-7 rad, and time after an hour
     in steps of 0.24 ms: a Guard's deadlines need the former.
@@ -102,7 +102,7 @@ def export_controller(
     check_kind("export_controller", "name", name, str, "the name of a C function")
     check_kind("export_controller", "precision", precision, str, "a name")
     _check_precision(precision)
-    period, single = positive("export_controller", "period", period, "s"), precision == "float32"
+    period, single = positive("export_controller", "control_period", control_period, "s"), precision == "float32"
     has_guard = getattr(law, "reports_faults", False)
     if single and has_guard:
         told = "a Guard measures its deadlines by time, whose steps in single precision exceed a period within hours"

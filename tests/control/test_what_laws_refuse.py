@@ -196,11 +196,20 @@ REFUSED = {
     "tuning a law that is made": (lambda: tune(elbow(), 4.0, law("PD")), r"tune: law must be a law's class, .* PD\("),
     "a pole at no period": (
         lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, 0),
-        r"slowest_pole: period 0.0 s must be positive and finite",
+        r"slowest_pole: control_period 0.0 s must be positive and finite",
     ),
-    "a pole at a period gone by": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, -1e-3), r"period -0.001 s must"),
-    "a pole at an unknown period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.nan), r"period nan s must"),
-    "a pole at an endless period": (lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.inf), r"period inf s must"),
+    "a pole at a period gone by": (
+        lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, -1e-3),
+        r"_period -0.001 s must",
+    ),
+    "a pole at an unknown period": (
+        lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.nan),
+        r"_period nan s must",
+    ),
+    "a pole at an endless period": (
+        lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.inf),
+        r"_period inf s must",
+    ),
     "a pole of a class": (lambda: slowest_pole(elbow(), PD, [0.0] * 2, 1e-3), r"controller PD is a class; give an obj"),
     "a guard around a law for another number of drives": (
         lambda: Guard(PID([9.0] * 3, 1.0, 1.0, 1.0) + law("PD"), elbow()),

@@ -89,7 +89,7 @@ def export(
         step = law_of(loaded, law, bandwidth, feedforward, period)
         step = Guard(step, loaded) if guard else step
         paths = export_controller(
-            loaded, step, folder, period=period, precision=precision, name=name or "control_step", force=force
+            loaded, step, folder, control_period=period, precision=precision, name=name or "control_step", force=force
         )
     else:
         options = {"frame": frame, "expressed_in": expressed_in}

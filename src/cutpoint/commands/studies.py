@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from cutpoint.commands.laws import Period
 from cutpoint.commands.shared import (
     Drives,
     Gravity,
@@ -73,7 +74,7 @@ def compare(
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
     bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD that all laws are matched to, Hz.")] = 4.0,
-    period: Annotated[float, typer.Option(help="Control period, s.")] = 1e-3,
+    period: Period = 1e-3,
     payload: Annotated[
         float | None, typer.Option(help="Rated payload, kg; default: 2 for the paper's arm, 3 for others.")
     ] = None,

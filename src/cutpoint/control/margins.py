@@ -58,8 +58,8 @@ class Margins(NamedTuple):
     sensitivity: Array
 
 
-def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> Margins:
-    """Stability margins of the loops of a law with this period (s), for the robot at rest at q.
+def margins(robot: Robot, law: Any, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None) -> Margins:
+    """Stability margins of the loops of a law with this control period (s), for the robot at rest at q.
 
     Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the
     same arguments and errors.  A fractional delay turns the phase of L in proportion to frequency.
@@ -67,7 +67,7 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
     Raises:
         InputError: also if the loop is not stable to begin with, or has too many states.
     """
-    loop = sampled_loop("margins", robot, law, q, period, sensors)
+    loop = sampled_loop("margins", robot, law, q, control_period, sensors)
     if (count := len(loop.alone)) > MOST_STATES:
         rule = f"robot, law and sensors have {count} states, at most {MOST_STATES}; take shorter delays"
         raise InputError(f"margins: {rule}", states=count)
@@ -77,7 +77,7 @@ def margins(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sen
         growth = f"what is moved grows by {size - 1:.2g} of itself in a sample; damping of the springs helps"
         raise InputError(f"{told}: {growth}, or other gains", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
-    return Margins(*np.array([_of_joint(cut, period) for cut in cuts]).T)
+    return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T)
 
 
 class _Cut:

@@ -61,8 +61,10 @@ class SmallSignal(NamedTuple):
     damping: Array
 
 
-def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors: Sensors | None = None) -> SampledPole:
-    """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this period (s).
+def slowest_pole(
+    robot: Robot, law: Any, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
+) -> SampledPole:
+    """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this control period (s).
 
     The robot is linearised at q and discretised exactly, its motors' current loops and delays included; the law is
     differenced about rest.  Neither includes friction, whose slope at rest is that of its smoothing, nor kinematic
@@ -78,14 +80,16 @@ def slowest_pole(robot: Robot, law: Any, q: ArrayLike, period: float, *, sensors
             so long that there are too many poles; the law reports a fault at that pose.
         TraceError: the law is a user's own, and cannot be compiled.
     """
-    loop = sampled_loop("slowest_pole", robot, law, q, period, sensors)
+    loop = sampled_loop("slowest_pole", robot, law, q, control_period, sensors)
     poles, shapes = np.linalg.eig(loop.closed)
     model, worst = loop.robot, int(np.abs(poles).argmax())
     moves = np.abs(model.C @ shapes[: len(model.states), worst])
     names = [name.partition(".")[2].partition("[")[0] for name in model.outputs]
     speeds = [k for k, name in enumerate(model.outputs) if name.startswith(("v.", "theta_dot."))]
     joint = names[max(speeds, key=lambda k: moves[k])]
-    return SampledPole(float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * period)), joint)
+    return SampledPole(
+        float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * control_period)), joint
+    )
 
 
 def sampled_loop(
@@ -94,7 +98,7 @@ def sampled_loop(
     """See `slowest_pole`; function: the name for error messages."""
     robot, q, law = _checked(function, robot, law, q)
     check_kind(function, "sensors", sensors, (Sensors, NoneType), "Sensors, or None")
-    period = positive(function, "period", period, "s")
+    period = positive(function, "control_period", period, "s")
     check_all_driven(function, robot)
     check_delays(function, robot, period)
     model = robot.linearize(q)
