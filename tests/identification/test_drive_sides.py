@@ -97,7 +97,7 @@ def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, ot
     why = joint.unidentifiable["motor friction"]
     assert f"viscous friction of the {other} comes out as -" in why
     assert f"the {late}'s encoder were late by at least" in why
-    named = float(re.findall(r"([\d.]+) ms (?:if the link has no|at least:)", why)[0])
+    named = float(re.findall(r"([\d.]+) ms(?: if the link has no|: align)", why)[0])
     # what the link asks for is late too, which passes for some viscous friction
     assert named == pytest.approx(1.5, rel=0.2)
     assert {"rotor inertia", "damping", "stiffness", "kinematic_error"} <= joint.unidentifiable.keys()
