@@ -302,7 +302,7 @@ def test_a_run_whose_log_no_file_would_hold_is_refused_before_it_runs(tmp_path: 
         ("paper", "paper.study._page", "no report was written"),
         ("cost", "cost.study.measured", "no report was written"),
         ("compare", "compare.bench_of", "no report was written"),
-        ("compare", "compare.study.matched", "what there is goes to {}/report/index.html"),
+        ("compare", "compare.study.matched", "results so far go to {}/report/index.html"),
     ],
 )
 def test_an_interrupted_study_ends_with_130_and_says_whether_there_is_a_report(

@@ -412,7 +412,7 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
         export_function(arm, "mass_matrix", tmp_path, precision="single")
     with pytest.raises(InputError, match="no precision is named 'float16'; there are"):
         export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, control_period=PERIOD, precision="float16")
-    with pytest.raises(InputError, match="PD is for 2 drives, the robot has 6"):
+    with pytest.raises(InputError, match="PD is for 2 drives, but the robot has 6"):
         export_controller(arm, PD([1.0] * 2, [1.0] * 2), tmp_path, control_period=PERIOD)
     with pytest.raises(InputError, match=r"control_period 0\.0 s must be positive"):
         export_controller(arm, PD([1.0] * 6, [1.0] * 6), tmp_path, control_period=0)

@@ -102,18 +102,18 @@ def test_a_wrong_model_is_seen_where_it_is_wrong():
 def test_the_certificate_prints_every_subsystem_and_what_it_does_not_say():
     told = str(run("elastic", law("elastic")).certificate())
     assert all(f"joint {name} " in told for name in arm("elastic").joints)
-    assert told.endswith("61 samples: nothing is said of any other time")
+    assert told.endswith("61 samples: nothing is said of other times")
 
 
 def test_there_is_no_certificate_where_it_would_say_nothing(tmp_path):
     log = run("elastic", PD([2e3] * 6, [60.0] * 6))
-    with pytest.raises(InputError, match=r"certificate: only a VDC .* has one; this run is of PD"):
+    with pytest.raises(InputError, match=r"certificate: only a VDC .* has one, but this run is of PD"):
         log.certificate()
     log = run("elastic", tune(arm("elastic"), 4.0, VDC, derivatives="filter"))
     with pytest.raises(InputError, match=r"this run is of VDC with derivatives='filter'"):
         log.certificate()
     run("elastic", law("elastic")).save(tmp_path / "run.npz")
-    with pytest.raises(InputError, match=r"certificate: a log that was not simulated here does not know its robot"):
+    with pytest.raises(InputError, match=r"certificate: only a log simulated in this process knows its robot"):
         Log.load(tmp_path / "run.npz").certificate()
 
 

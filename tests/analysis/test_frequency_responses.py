@@ -115,7 +115,7 @@ def test_a_frequency_that_is_an_undamped_resonance_is_refused():
     modes = robot("xia2019").modes(np.full(6, 0.3))
     exactly = sprung(wheel(inertia=1.0), 1.0, 0.5).linearize([0.0]), "axle", 1.0 / (2 * np.pi)
     for model, joint, f in [exactly, *((modes.model, "joint2", f) for f in modes.frequencies)]:
-        with pytest.raises(InputError, match=r"Hz is an undamped resonance; shift it a little, or state a damping"):
+        with pytest.raises(InputError, match=r"Hz is an undamped resonance; shift it slightly, or state a damping"):
             frequency_response(model, [1.0, f], joint)
         assert np.isfinite(frequency_response(model, [1.0, 1.001 * f], joint).motor_velocity).all()
 

@@ -79,7 +79,7 @@ def test_weight_that_pushes_over_must_be_borne() -> None:
     found = margins(robot, stiff, q, PERIOD)
     assert (found.least_gain > 0).all() and (found.least_gain < 1).all()
     weak = replace(stiff, kp=0.9 * found.least_gain * stiff.kp, kd=0.9 * found.least_gain * stiff.kd)
-    with pytest.raises(InputError, match=r"margins: the law does not hold the robot there, .*: what is moved grows"):
+    with pytest.raises(InputError, match=r"margins: the law does not hold the robot there .*: a deviation grows"):
         margins(robot, weak, q, PERIOD)
 
 

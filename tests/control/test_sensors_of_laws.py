@@ -34,7 +34,7 @@ READERS = {
 
 @pytest.mark.parametrize(("sides", "name"), [(sides, name) for sides, names in READERS.items() for name in names])
 def test_a_law_that_reads_a_sensor_which_is_not_there_is_refused(sides, name):
-    with pytest.raises(InputError, match=rf"reads [\w, ]+, and sensors are on the {sides} side only; take "):
+    with pytest.raises(InputError, match=rf"reads [\w, ]+, but sensors are on the {sides} side only; use "):
         simulate(elbow(), law(name), duration=0.01, sensors=Sensors(sides=sides))
 
 

@@ -192,7 +192,7 @@ def test_what_integrates_counts_where_joints_bear_a_load():
 
 def test_a_law_that_reports_a_fault_at_a_pose_is_not_judged_there():
     guarded = Guard(law("PD"), elbow(), upper=[0.1, 0.1])
-    with pytest.raises(InputError, match=r"Guard reports fault 5, .* judge it at a pose within its limits"):
+    with pytest.raises(InputError, match=r"Guard reports fault 5 .* choose a pose within its limits"):
         slowest_pole(elbow(), guarded, LEANING, PERIOD)
 
 

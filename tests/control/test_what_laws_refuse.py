@@ -101,11 +101,11 @@ REFUSED = {
     "unknown derivatives": (lambda: vdc(derivatives="both"), r"VDC: derivatives 'both' must be 'model' or 'filter'"),
     "model derivatives on a mixed robot": (
         lambda: VDC(robot("mixed"), *GAINS),
-        r"VDC: the drive of '\w+' is rigid, so no deflection tells .* its link; take derivatives='filter'",
+        r"VDC: the drive of '\w+' is rigid, so no deflection tells .* its link; use derivatives='filter'",
     ),
     "model derivatives while learning": (
         lambda: AdaptiveVDC(elbow(), *GAINS, derivatives="model"),
-        r"AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk",
+        r"AdaptiveVDC: derivatives must be 'filter': a model that is being learnt has no jerk",
     ),
     "unknown update": (
         lambda: AdaptiveVDC(elbow(), *GAINS, update="fast"),
@@ -169,7 +169,7 @@ REFUSED = {
         r"Guard: robot must be a Robot.*, got PD\(",
     ),
     "a guard around no law": (lambda: Guard(elbow(), elbow()), r"has no step\(memory, measurement, reference\)"),
-    "a speed filter of a class": (lambda: SpeedFilter(PD), r"controller PD is a class; give an object of it"),
+    "a speed filter of a class": (lambda: SpeedFilter(PD), r"controller PD is a class; pass an instance"),
     "gravity of a law": (lambda: GravityCompensation(law("PD")), r"GravityCompensation: robot must be a Robot"),
     "a speed filter that stands still": (
         lambda: SpeedFilter(law("PD"), 0.0),
@@ -177,7 +177,7 @@ REFUSED = {
     ),
     "parameters of bending drives for a rigid law": (
         lambda: SlotineLi(elbow(), 9.0, 5.0, parameters=elbow().drive_parameters),
-        r"SlotineLi: parameters are numbers of rigid drives; give a robot whose drives are rigid",
+        r"SlotineLi: parameters must be those of rigid drives; give a robot whose drives are rigid",
     ),
     "tuning an unknown law": (
         lambda: tune(elbow(), 3.0, SpeedFilter),
@@ -210,18 +210,21 @@ REFUSED = {
         lambda: slowest_pole(elbow(), law("PD"), [0.0] * 2, np.inf),
         r"_period inf s must",
     ),
-    "a pole of a class": (lambda: slowest_pole(elbow(), PD, [0.0] * 2, 1e-3), r"controller PD is a class; give an obj"),
+    "a pole of a class": (
+        lambda: slowest_pole(elbow(), PD, [0.0] * 2, 1e-3),
+        r"controller PD is a class; pass an inst",
+    ),
     "a guard around a law for another number of drives": (
         lambda: Guard(PID([9.0] * 3, 1.0, 1.0, 1.0) + law("PD"), elbow()),
-        r"PID is for 3 drives, the robot has 2: make it for as many",
+        r"PID is for 3 drives, but the robot has 2: make it for as many",
     ),
     "an observer around a law for one drive": (
         lambda: DisturbanceObserver(elbow(), SpeedFilter(PD(1.0, 1.0)), 30.0),
-        r"PD is for 1 drives, the robot has 2",
+        r"PD is for 1 drives, but the robot has 2",
     ),
     "a pole of a law for another robot": (
         lambda: slowest_pole(elbow(), SpeedFilter(law("PD") + PD(1.0, 1.0)), [0.0] * 2, 1e-3),
-        r"PD is for 1 drives, the robot has 2",
+        r"PD is for 1 drives, but the robot has 2",
     ),
     "a pole where commands come too late": (
         lambda: slowest_pole(late(5e-3), law("PD"), [0.0] * 2, 1e-3),
@@ -229,18 +232,21 @@ REFUSED = {
     ),
     "a pole of a law that commands no number": (
         lambda: slowest_pole(elbow(), lambda memory, m, r: (memory, m.q + np.nan), [0.0] * 2, 1e-3),
-        r"slowest_pole: <lambda> commands or remembers what is not a finite number at rest",
+        r"slowest_pole: <lambda> commands or remembers a number that is not finite at rest",
     ),
     "tuning what is found by tuning": (
         lambda: tune(elbow(), 3.0, kp=1.0),
-        r"tune: kp of PD is what tune finds; leave it out",
+        r"tune: kp of PD is determined by tune; leave it out",
     ),
     "tuning with an unknown option": (
         lambda: tune(elbow(), 3.0, sides="motor"),
         r"no option of PD is named 'sides'.*'side'",
     ),
     "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), it must be one"),
-    "a sum of nothing": (lambda: Sum(()), r"Sum: it has no parts, and so no number of drives; give it a law"),
+    "a sum of nothing": (
+        lambda: Sum(()),
+        r"Sum: it has no parts, so its number of drives is unknown; give it at least one law",
+    ),
     "tuning elsewhere": (lambda: tune(elbow(), 3.0, q=[0.0]), r"tune: q has shape \(1,\)"),
 }
 

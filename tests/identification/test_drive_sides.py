@@ -102,7 +102,7 @@ def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, ot
     assert named == pytest.approx(1.5, rel=0.2)
     assert {"rotor inertia", "damping", "stiffness", "kinematic_error"} <= joint.unidentifiable.keys()
     assert joint.drive.motor_friction == FRICTION
-    told = r"the encoders' clocks differ at axle, .*: no drive's numbers can be relied on .*--align"
+    told = r"the encoders' clocks differ at axle, .*: no drive's numbers can be relied on; .*--align"
     assert re.match(told, found.remarks[0])
     assert joint.spring["stiffness"] == pytest.approx(STIFFNESS, rel=0.01)
 

@@ -309,7 +309,7 @@ def test_a_batch_of_a_large_robot_is_its_configurations_one_by_one() -> None:
 def test_what_is_too_large_to_sweep_is_refused_with_a_remedy(name: str) -> None:
     robot = Robot(chain(501), backend="numpy")
     zeros = [np.zeros(501)] * (5 if name.startswith("elastic") else 3)
-    with pytest.raises(InputError, match=r"501 bodies are too many, at most (500|48); take differences"):
+    with pytest.raises(InputError, match=r"501 bodies are too many, at most (500|48); use finite differences"):
         getattr(derivatives, name)(robot, *zeros)
 
 

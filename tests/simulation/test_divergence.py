@@ -105,7 +105,7 @@ def test_a_law_called_back_without_its_sensors_is_told_of_them():
         return memory, -m.q if m.time < 1e3 else None
 
     message = (
-        r"commands torque nan for 'joint1' at t = 0 s, .*; sensors are on the motor side only, and it is told NaN of"
+        r"commands torque nan for 'joint1' at t = 0 s, .*; sensors are on the motor side only, so it reads NaN for"
     )
     with pytest.warns(UntracedControllerWarning), pytest.raises(SimulationError, match=message):
         simulate(robot("xia2019"), of_links, duration=0.01, sensors=Sensors(sides="motor"))
@@ -157,13 +157,13 @@ def test_an_error_in_a_controller_is_the_users_own():
         ({"duration": 1.0, "initial": State(q=np.zeros(5))}, "initial.q has shape .5,., its last axis must be 6"),
         ({"duration": 1.0, "initial": State(v=[0, 0, np.nan, 0, 0, 0])}, r"initial.v\[2\] is nan"),
         ({"duration": 1.0, "disturbances": lambda t: np.zeros((3, 6))}, "disturbances.times. has shape .3, 6."),
-        ({"duration": 1.0, "controller": PD([1.0] * 5, [1.0] * 5)}, "PD is for 5 drives, the robot has 6"),
+        ({"duration": 1.0, "controller": PD([1.0] * 5, [1.0] * 5)}, "PD is for 5 drives, but the robot has 6"),
         ({"duration": 1.0, "controller": 7}, "controller 7 has no step"),
         ({"duration": 1e12}, r"duration 1e\+12 s at control_period 0.001 s takes 1e\+15 samples, at most 10,000,000"),
         ({"duration": 1.0, "control_period": 1e-12}, r"duration 1 s at control_period 1e-12 s takes 1e\+12 samples"),
         ({"duration": 1.0, "sensors": Sensors(delay=10.0)}, r"delay 10 s is 1e\+04 control .* at most 1000 can"),
         ({"duration": 1.0, "sensors": Sensors(delay=1e9)}, r"delay 1e\+09 s is 1e\+12 control periods of 0.001 s"),
-        ({"trajectory": cycloid([0.1] * 5, 1.0)}, "the trajectory has 5 joints, the robot has 6 drives"),
+        ({"trajectory": cycloid([0.1] * 5, 1.0)}, "the trajectory has 5 joints, but the robot has 6 drives"),
     ],
 )
 def test_arguments_that_make_no_sense_are_refused(options, message):

@@ -42,6 +42,8 @@ def test_a_log_without_its_whole_last_state_has_no_end(tmp_path: Path):
     log.save(tmp_path / "run.npz")
     few = simulate(robot("xia2019"), None, duration=0.01, channels=["q"])
     for other in (Log.load(tmp_path / "run.npz"), few, log.between(0.0, 0.005)):
-        with pytest.raises(InputError, match="end: only a log that was simulated here, with all channels"):
+        with pytest.raises(
+            InputError, match="end: only a complete log of this process's own simulation, with all channels"
+        ):
             _ = other.end
     assert np.array_equal(log.between(0.005, 0.01).end.q, log.end.q)

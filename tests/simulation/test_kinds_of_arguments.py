@@ -74,7 +74,7 @@ def test_a_trajectory_of_ones_own_is_one():
 @pytest.mark.parametrize(("part", "size"), [("q", 6), ("v", 6), ("theta", 6), ("theta_dot", 6), ("strains", 0)])
 @pytest.mark.parametrize("law", [None, PD([1.0] * 6, [1.0] * 6)])
 def test_a_run_has_one_start(part, size, law):
-    told = rf"initial.{part} has shape \(1, {size}\), a run starts from one of \({size},\)"
+    told = rf"initial.{part} has shape \(1, {size}\), but must have \({size},\)"
     with pytest.raises(InputError, match=told):
         simulate(robot("xia2019"), law, duration=0.01, initial=State(**{part: np.zeros((1, size))}))
 
@@ -105,7 +105,7 @@ def test_a_trajectory_of_other_joints_is_refused():
     moves = [from_samples(np.arange(5.0), np.zeros((5, 6)), joints=names) for names in (ours.joints, ours.joints[::-1])]
     assert simulate(ours, None, moves[0], 0.01) is not None
     message = (
-        r"the trajectory is of 'joint6', .*, the robot's joints are 'joint1', .*: read it with joints=robot.joints"
+        r"the trajectory is for 'joint6', .*, but the robot's joints are 'joint1', .*: read it with joints=robot.joints"
     )
     with pytest.raises(InputError, match="simulate: " + message):
         simulate(ours, None, moves[1], 0.01)

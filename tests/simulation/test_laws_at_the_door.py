@@ -47,7 +47,7 @@ def test_a_law_of_ones_own_that_reads_what_is_not_there_is_refused(within):
         return memory, 300.0 * (r.q - m.q)
 
     law = within(type("OfLinks", (), {"step": staticmethod(of_links)})())
-    with pytest.raises(InputError, match="OfLinks reads q, and sensors are on the motor side only"):
+    with pytest.raises(InputError, match="OfLinks reads q, but sensors are on the motor side only"):
         run(law, sensors=Sensors(sides="motor"))
     run(law, sensors=Sensors(sides="link"))
 
@@ -55,8 +55,8 @@ def test_a_law_of_ones_own_that_reads_what_is_not_there_is_refused(within):
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (PD, r"controller PD is a class; give an object of it, PD\(...\)"),
-        (lambda m, r: m.q, r"lambda>: step must take \(memory, measurement, reference\); it takes \(m, r\)"),
+        (PD, r"controller PD is a class; pass an instance, PD\(...\)"),
+        (lambda m, r: m.q, r"lambda>: step must take \(memory, measurement, reference\), but takes \(m, r\)"),
         (7, r"controller 7 has no step\(memory, measurement, reference\)"),
     ],
 )
@@ -70,9 +70,9 @@ def test_what_is_no_law_is_refused(law, message):
 def test_a_law_within_others_is_for_as_many_drives():
     inner = PD([1.0] * 6, [1.0] * 6) + PD([1.0], [1.0])
     for law in (SpeedFilter(inner), Guard(Small(), robot("xia2019")) + SpeedFilter(inner)):
-        with pytest.raises(InputError, match="PD is for 1 drives, the robot has 6: make it for as many"):
+        with pytest.raises(InputError, match="PD is for 1 drives, but the robot has 6: make it for as many"):
             run(law)
-    with pytest.raises(InputError, match="Small is for 2 drives, the robot has 6"):
+    with pytest.raises(InputError, match="Small is for 2 drives, but the robot has 6"):
         run(SpeedFilter(PD([1.0] * 6, [1.0] * 6) + Small(2)))
 
 
@@ -80,7 +80,7 @@ def test_a_motor_reference_in_a_sum_is_announced_and_may_lack_its_speed():
     """The others track it; that of a law that does not say so they would track or not, by their order."""
     track = PD([100.0] * 6, [1.0] * 6, side="motor")
     for law in (Leading() + track, track + Leading()):
-        with pytest.raises(InputError, match="Leading: in a sum a law that commands theta must say makes_motor_ref"):
+        with pytest.raises(InputError, match="Leading: in a sum, a law that commands theta must set makes_motor_ref"):
             run(law)
     announced = [run(law) for law in (Announced() + track, track + Announced())]
     np.testing.assert_array_equal(announced[0]["command_torque"], announced[1]["command_torque"])

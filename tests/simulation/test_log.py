@@ -225,7 +225,7 @@ def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
 @pytest.mark.parametrize(
     ("names", "beside", "message"),
     [
-        ((), {"other": example()}, "of logs side by side say which channels"),
+        ((), {"other": example()}, "name the channels of logs side by side"),
         (("q",), {"": example()}, "a name in beside is empty"),
         (("q",), example(), "beside must be logs by name, such as"),
         (("q",), {"other": 3}, r"beside\['other'\] must be a log, got 3"),
@@ -297,7 +297,7 @@ def test_what_no_sensor_told_has_no_axis():
     assert titles == ["q [deg]", "q [mm]", "speed [deg/s]"]
     named = [axis.get_title(loc="left") for axis in log.plot("q", "torque").axes]
     assert named == ["shoulder [deg]", "$li_ft^$ [mm]"]
-    with pytest.raises(InputError, match="no channels to plot, or nothing but NaN in them"):
+    with pytest.raises(InputError, match="no channels to plot, or only NaN in them"):
         log.plot("torque")
 
 
@@ -312,7 +312,7 @@ COUNT = np.zeros(50)
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"time": []}, r"time of shape \(0,\) must be \(N,\), at least one, finite and increasing"),
+        ({"time": []}, r"time of shape \(0,\) must be \(N,\), N at least 1, finite and increasing"),
         ({"time": COUNT}, r"time of shape \(50,\) must be"),
         ({"time": [[0.0]]}, r"time of shape \(1, 1\) must be"),
         ({"time": np.arange(50.0) * np.nan}, r"time of shape \(50,\) must be"),
@@ -327,10 +327,10 @@ COUNT = np.zeros(50)
             r"channel 'q' has units \('rad',\): it must have one, or one for each of 3",
         ),
         ({"units": UNITS | {"q": (1, 2, 3)}}, r"channel 'q' has units \(1, 2, 3\)"),
-        ({"joints": ("a", "a", "b")}, r"joints \('a', 'a', 'b'\) must be names, each its own"),
-        ({"joints": ("a", "", "b")}, r"joints \('a', '', 'b'\) must be names, each its own"),
+        ({"joints": ("a", "a", "b")}, r"joints \('a', 'a', 'b'\) must be distinct names"),
+        ({"joints": ("a", "", "b")}, r"joints \('a', '', 'b'\) must be distinct names"),
         ({"joints": (1, 2, 3)}, r"joints \(1, 2, 3\) must be names"),
-        ({"meta": {"robot": object()}}, r"meta must be what JSON can say"),
+        ({"meta": {"robot": object()}}, r"meta must be JSON: numbers"),
     ],
 )
 def test_what_cannot_be_a_log_is_refused(changes: dict[str, Any], message: str):
@@ -371,7 +371,7 @@ GOOD = {"header": np.array(header()), "time": np.arange(3.0), "q": np.zeros((3, 
 def test_an_npz_that_is_no_log_is_refused(tmp_path: Path, arrays: dict[str, Any], message: str):
     path = tmp_path / "run.npz"
     np.savez(path, **{name: values for name, values in (GOOD | arrays).items() if values is not None})
-    with pytest.raises(InputError, match=rf"file is not a log that Log.save wrote: .*{message}.*\(.*run.npz\)"):
+    with pytest.raises(InputError, match=rf"file is not a log written by Log.save: .*{message}.*\(.*run.npz\)"):
         Log.load(path)
 
 
@@ -399,12 +399,12 @@ def test_an_npz_that_announces_more_than_it_holds_is_refused(tmp_path: Path, sha
 
 @pytest.mark.parametrize("shape", ["(2, 1)", "(-3, 1)", "(3,", "(0, 10)", "print()", "(10**15, 1)"])
 def test_an_npz_that_announces_a_wrong_shape_is_refused(tmp_path: Path, shape: str):
-    with pytest.raises(InputError, match=r"file is not a log that Log.save wrote"):
+    with pytest.raises(InputError, match=r"file is not a log written by Log.save"):
         Log.load(crafted(tmp_path / "run.npz", shape))
 
 
 def test_an_npz_of_another_format_version_is_refused(tmp_path: Path):
-    with pytest.raises(InputError, match=r"q has another version of the format than 1.0"):
+    with pytest.raises(InputError, match=r"q is not in version 1.0 of the format"):
         Log.load(crafted(tmp_path / "run.npz", "(3, 1)", version=b"\x09\x00"))
 
 
@@ -438,7 +438,7 @@ def test_a_file_with_a_wrong_byte_gives_a_log_or_one_clear_error(ending: str, pl
         try:
             assert isinstance(Log.load(path), Log)
         except InputError as error:
-            assert "file is not a log that Log.save wrote" in str(error)
+            assert "file is not a log written by Log.save" in str(error)
 
 
 @pytest.mark.parametrize("keep", [0.0, 0.3, 0.9])
@@ -447,7 +447,7 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
     example().save(path)
     content = path.read_bytes()
     path.write_bytes(content[: int(keep * len(content))])
-    with pytest.raises(InputError, match=r"file is not a log that Log.save wrote: .*\(.*run.npz\)"):
+    with pytest.raises(InputError, match=r"file is not a log written by Log.save: .*\(.*run.npz\)"):
         Log.load(path)
 
 
@@ -462,15 +462,15 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
         (f"# {header()}\ntime [s],q.a [rad]\n", r"time of shape \(0,\)"),
         (
             f"# {header()}\ntime [s],q.a [rad]\n0,1,2,3\n",
-            "line 3 has 4 cells, and must have 2 as the line of titles; copy",
+            "line 3 has 4 cells, but must have 2 like the line of titles; copy",
         ),
         (
             f"# {header()}\ntime [s],q.a [rad]\n0,1\n1\n",
-            "line 4 has 1 cells, and must have 2 as the line of titles; copy",
+            "line 4 has 1 cells, but must have 2 like the line of titles; copy",
         ),
         (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1,0.2", "line 4 has no end: the file was cut off; copy"),
         (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "line 3: could not convert string to float: 'b'"),
-        (f"# {header()}\ntime [s],q.a [rad]\n0,1_0\n", "line 3: '1_0' is no number"),
+        (f"# {header()}\ntime [s],q.a [rad]\n0,1_0\n", "line 3: '1_0' is not a number"),
         (f"# {header()}\ntime [s],q.a [rad]\n1,0\n0,0\n", r"time of shape \(2,\) must be"),
         (f"# {header()}\ntime [s],q.b [rad]\n0,1\n", "its columns are not those its first line announces"),
         (f"# {header()}\ntime [s],q.a [deg]\n0,1\n", "its columns are not those its first line announces"),
@@ -480,7 +480,7 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
 def test_a_csv_that_is_no_log_is_refused(tmp_path: Path, text: str, message: str):
     path = tmp_path / "run.csv"
     path.write_text(text)
-    with pytest.raises(InputError, match=rf"file is not a log that Log.save wrote: .*{message}.*\(.*run.csv\)"):
+    with pytest.raises(InputError, match=rf"file is not a log written by Log.save: .*{message}.*\(.*run.csv\)"):
         Log.load(path)
 
 

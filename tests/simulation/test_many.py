@@ -156,9 +156,9 @@ def test_an_error_in_each_is_the_users_own():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({}, r"lists must be as long as there are runs, at least 1; there are none"),
+        ({}, r"lists must have one entry per run, at least 1; there are none"),
         ({"initial": []}, r"there are 0 of initial"),
-        ({"initial": (State() for _ in "ab")}, r"initial is a generator; give one for all runs, or a list of one"),
+        ({"initial": (State() for _ in "ab")}, r"initial is a generator; give one for all runs, or a list with one"),
         ({"controller": np.array([None, None])}, r"controller is a ndarray; give one for all runs, or a list"),
         ({"initial": [State()] * 2, "sensors": [Sensors()] * 3}, r"there are 2 of initial, 3 of sensors"),
         ({"initial": [State()] * 2, "threads": 0}, r"threads 0 must be a whole number, at least 1"),
@@ -168,7 +168,10 @@ def test_an_error_in_each_is_the_users_own():
         ({"initial": [State(), 0.0]}, r"run 1: initial must be a State"),
         ({"sensors": [Sensors(), Sensors(delay=1e-4)]}, r"run 1: sensors: delay 0.0001 s must be a whole number"),
         ({"controller": [None, PD(KP[:5], KD[:5])]}, r"run 1: "),
-        ({"trajectory": [MOVE, cycloid(END[:5], 0.1)]}, r"run 1: the trajectory has 5 joints, the robot has 6 drives"),
+        (
+            {"trajectory": [MOVE, cycloid(END[:5], 0.1)]},
+            r"run 1: the trajectory has 5 joints, but the robot has 6 drives",
+        ),
         ({"initial": [State()] * 2, "channels": "q"}, r"run 0: channels='q' must be a collection of names"),
     ],
 )

@@ -248,7 +248,10 @@ def test_state_that_is_not_numbers_in_memory_is_called_back_and_goes_on(made):
 @pytest.mark.parametrize(("made", "name"), [(Counting, "n"), (Appending, "seen"), (Latching, "started")])
 def test_the_warning_names_the_state_and_where_it_belongs(made, name):
     _, told = called_back(PD([1.0] * 6, [0.0] * 6) + made())
-    assert f"{made.__name__} keeps state in itself ({name}); state is compiled if it is numbers of the memory" in told
+    assert (
+        f"{made.__name__} keeps state in itself ({name}); state can be compiled if it is kept as numbers in the memory"
+        in told
+    )
 
 
 def in_a_generator() -> Any:
@@ -297,14 +300,14 @@ def asking_for_kinds(memory: Any, m: Any, r: Any) -> Any:
 
 def test_a_law_that_does_otherwise_with_plain_numbers_is_called_back():
     log, told = called_back(asking_for_kinds)
-    assert "with plain numbers, and" in told
+    assert "with plain numbers, but" in told
     error = 1.0 * (log["motor_reference"] - log["measured_theta"])
     assert np.allclose(log["command_torque"], 300.0 * error, rtol=1e-12, atol=1e-15)
 
 
 def test_a_law_that_catches_what_cannot_be_compiled_is_called_back():
     log, told = called_back(catching)
-    assert "catches what says that it cannot be compiled" in told and "cutpoint.where" in told
+    assert "catches the error that says it cannot be compiled" in told and "cutpoint.where" in told
     error = 1.0 * (log["motor_reference"] - log["measured_theta"])
     factor = np.where(error[:, :1] > 1e-5, 60.0, 300.0)
     assert np.allclose(log["command_torque"], factor * error, rtol=1e-12, atol=1e-15)
@@ -322,7 +325,7 @@ def test_however_late_it_does_otherwise_than_it_was_traced():
             pass
         return memory, np.full(6, 3.0)
 
-    with pytest.warns(UntracedControllerWarning, match="catches what says"):
+    with pytest.warns(UntracedControllerWarning, match="catches the error that says"):
         log = simulate(frictionless(robot("xia2019")), off_in_the_end, MOVE, duration=1.5 * end)
     assert np.array_equal(log["command_torque"][:, 0], np.where(log.time > end, 0.0, 3.0))
 
@@ -419,5 +422,5 @@ def test_functions_of_a_robot_are_called_back_and_those_of_definitions_are_compi
         return memory, 300.0 * (r.theta - m.theta) + np.array(gravity_forces(ours.machine, [*m.theta]))
 
     log, told = called_back(by_robot)
-    assert "those of cutpoint.definitions with robot.machine" in told and f"({__file__}:" in told
+    assert "functions of cutpoint.definitions with robot.machine" in told and f"({__file__}:" in told
     assert np.allclose(log["command_torque"], run(by_definition)["command_torque"], rtol=1e-12, atol=1e-12)

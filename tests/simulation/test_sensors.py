@@ -107,7 +107,7 @@ def test_differenced_speeds_are_what_positions_as_measured_tell(periods):
         ({"link_resolution": 0.0}, "link_resolution 0.0 must be positive"),
         (
             {"motor_resolution": 17},
-            r"motor_resolution 17 is more than a turn, .*; of 17 bits a step is 2 pi",
+            r"motor_resolution 17 is more than a turn, .*; a 17-bit encoder has steps of 2 pi",
         ),
         ({"motor_noise": [1e-4] * 5}, "one number, or one for each of 6 drives"),
         ({"speeds": "guessed"}, "speeds 'guessed' must be 'true' or 'differenced'"),

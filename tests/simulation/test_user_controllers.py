@@ -123,7 +123,7 @@ def test_memory_starts_anew_in_every_run():
         (np.zeros(2), r"\(memory, command\), not an array of shape \(2,\)"),
         (Command(np.zeros(6)), r"\(memory, command\), not a Command of 5"),
         (None, r"\(memory, command\), not None"),
-        (((), None), r"\(memory, command\) whose torque is 6 numbers, one a drive, or one for all; it is None"),
+        (((), None), r"\(memory, command\) whose torque is 6 numbers, one per drive, or one for all; it is None"),
         (((), np.zeros(3)), r"\(memory, command\) whose torque is 6 numbers, .* it is an array of shape \(3,\)"),
         (((), ["a"] * 6), r"\(memory, command\) whose torque is 6 numbers"),
         (((), Command(0.0, theta=[0.0] * 5)), r"\(memory, command\) whose theta is 6 numbers, .* it is a list of 5"),

@@ -152,7 +152,10 @@ def test_it_goes_to_the_joints_that_are_asked_for_and_no_farther(tmp_path, monke
         with pytest.raises(InterruptedError, match="it began"):
             run(tmp_path, largest=largest, progress=False)
     assert [sizes[-3:] for sizes in asked] == [[3, 4, 6], [4, 6, 7], [32, 48, 64]]
-    for largest, told in ((65, "must be at most 64: contenders go no farther"), (5, "whole number, at least 6")):
+    for largest, told in (
+        (65, "must be at most 64, the largest size of the contenders"),
+        (5, "whole number, at least 6"),
+    ):
         with pytest.raises(InputError, match=f"cost: largest {largest} .*{told}"):
             run(tmp_path, largest=largest, progress=False)
 

@@ -337,7 +337,7 @@ def test_wrong_times_are_refused(given: dict[str, float], told: str):
 
 
 def test_motions_that_are_not_of_the_robot_are_refused():
-    with pytest.raises(InputError, match=r"trajectory has 2 joints, the robot has 1 drives"):
+    with pytest.raises(InputError, match=r"trajectory has 2 joints, but the robot has 1 drives"):
         sizing(brake(), cycloid(end=[1.0, 2.0], duration=1.0))
     with pytest.raises(InputError, match=r"floating base has no motor"):
         sizing(robot("floating"), cycloid(end=np.ones(5), duration=1.0))

@@ -57,7 +57,7 @@ class Certificate:
         for name, worst, usual, dissipated in zip(self.subsystems, self.violated.values(), mean, lost, strict=True):
             lines.append(f"{name:{width}}  at most {worst:.2e}, mean {usual:.2e}; {dissipated:.2e}")
         between = f"between subsystems at most {np.abs(self.imbalance).max():.1e} W is lost"
-        return "\n".join([*lines, f"{between}, over {len(self.time)} samples: nothing is said of any other time"])
+        return "\n".join([*lines, f"{between}, over {len(self.time)} samples: nothing is said of other times"])
 
 
 def certificate(log: Log) -> Certificate:
@@ -67,13 +67,14 @@ def certificate(log: Log) -> Certificate:
     rigid one: others have memory that is not in the log.
     """
     if log.run is None:
-        raise InputError("certificate: a log that was not simulated here does not know its robot, law and reference")
+        raise InputError("certificate: only a log simulated in this process knows its robot, law and reference")
     robot, law, reference, _ = log.run
     if type(law) is not VDC or leaves(law.start()):
         name = type(law).__name__
         found = f"{name} with derivatives={law.derivatives!r}" if type(law) is VDC else name
         raise InputError(
-            f"certificate: only a VDC with derivatives='model', by itself, has one; this run is of {found}", law=name
+            f"certificate: only a VDC with derivatives='model', by itself, has one, but this run is of {found}",
+            law=name,
         )
     for name, drive in robot.drives.items():
         if drive.hysteresis or drive.motor:

@@ -125,7 +125,7 @@ def _check_no_pole(f: Array, poles: ComplexArray) -> None:
     hit = (np.abs(s - poles) < UNDAMPED * np.abs(s)).any(axis=1)
     if hit.any():
         found = f"{f[hit][0]:g} Hz is an undamped resonance"
-        raise InputError(f"frequency_response: {found}; shift it a little, or state a damping", frequency=f[hit][0])
+        raise InputError(f"frequency_response: {found}; shift it slightly, or state a damping", frequency=f[hit][0])
 
 
 def _checked(frequencies: ArrayLike) -> Array:

@@ -96,7 +96,9 @@ def _configuration(robot: Robot, q: ArrayLike) -> Array:
 def _one(name: str, value: ArrayLike, size: int) -> Array:
     array = checked_array("linearize", name, value, size)
     if array.ndim != 1:
-        raise InputError(f"linearize: {name} has shape {array.shape}; give one operating point, ({size},)", name=name)
+        raise InputError(
+            f"linearize: {name} has shape {array.shape}; give a single operating point, ({size},)", name=name
+        )
     return array
 
 

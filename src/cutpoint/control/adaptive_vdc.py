@@ -60,7 +60,7 @@ class AdaptiveVDC(VDC):
         if self.update not in ("projection", "natural"):
             raise InputError(f"AdaptiveVDC: update {self.update!r} must be 'projection' or 'natural'")
         if self.derivatives != "filter":
-            raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt gives no jerk")
+            raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt has no jerk")
         self._keep_gains("body_rate", "joint_rate", "uncertainty", size=1)
         self._keep_torque_limit()
         if self.uncertainty.dtype != object and self.uncertainty[0] >= 1:

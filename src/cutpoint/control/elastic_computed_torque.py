@@ -31,7 +31,7 @@ class ElasticComputedTorque(ModelLaw):
         super().__post_init__()
         rigid = [name for name, drive in self.robot.drives.items() if not drive.is_elastic]
         if rigid:
-            remedy = "give it a compliance and a rotor, or take ComputedTorque"
+            remedy = "give it a compliance and a rotor, or use ComputedTorque"
             raise InputError(f"ElasticComputedTorque: the drive of {rigid[0]!r} is rigid; {remedy}")
         check_no_full_coupling("ElasticComputedTorque", self.robot, "coupling 'reduced'")
         self._keep_gains("bandwidth", size=self.size, positive=("bandwidth",))

@@ -90,7 +90,7 @@ def stepped(law: Controller, memory: Any, measurement: Measurement, reference: R
     for name in ("torque", "feedforward", "theta", "theta_dot"):
         part = getattr(command, name)
         if not (_is_one_each(part, n) or (part is None and name.startswith("theta"))):
-            rule = f"step must return (memory, command) whose {name} is {n} numbers, one a drive, or one for all"
+            rule = f"step must return (memory, command) whose {name} is {n} numbers, one per drive, or one for all"
             raise InputError(f"controller {name_of(law)}: {rule}; it is {described(part)}")
     if np.shape(command.fault):
         rule = "step must return a command whose fault is one number, 0 for none"
@@ -121,7 +121,7 @@ def start_of(law: Any) -> Any:
     try:
         np.array(leaves(with_float_leaves(memory)), float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"controller {name_of(law)}: start() must give real numbers: {error}") from None
+        raise InputError(f"controller {name_of(law)}: start() must return real numbers: {error}") from None
     return memory
 
 
@@ -165,7 +165,9 @@ def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
     """Raises a TraceError that says where a step failed, and what to write instead."""
     told = f"step of {name_of(law)} fails with traced numbers, {type(error).__name__}: {error}"
     if isinstance(error, InputError):
-        told += "; functions of a Robot take numbers only, those of cutpoint.definitions with robot.machine take these"
+        told += (
+            "; methods of a Robot take plain numbers only, functions of cutpoint.definitions with robot.machine these"
+        )
     places = [(frame.f_globals.get("__name__", ""), line, frame.f_code) for frame, line in walk_tb(error.__traceback__)]
     users = [f"{code.co_filename}:{line}" for name, line, code in places if name.partition(".")[0] not in NOT_THE_USER]
     raise TraceError(told, place=users[-1] if users else None) from error

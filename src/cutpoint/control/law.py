@@ -81,10 +81,10 @@ class Sum(Law):
 
     def __post_init__(self) -> None:
         if not self.parts:
-            raise InputError("Sum: it has no parts, and so no number of drives; give it a law at least")
+            raise InputError("Sum: it has no parts, so its number of drives is unknown; give it at least one law")
         makers = [type(part).__name__ for part in self.parts if makes_reference(part)]
         if len(makers) > 1:
-            raise InputError(f"{' and '.join(makers)} both make a motor reference; a sum may hold one such law")
+            raise InputError(f"{' and '.join(makers)} both make a motor reference; a sum may hold only one such law")
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
@@ -132,7 +132,7 @@ class Wrapper(Law):
         for part in parts_of(self.law):
             if hasattr(part, "size"):
                 return part.size
-        raise InputError(f"{type(self).__name__}: none of its laws says for how many drives it is; give one `size`")
+        raise InputError(f"{type(self).__name__}: none of its laws states its number of drives; give one a `size`")
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -161,7 +161,7 @@ def as_law(controller: Any) -> Any:
     """
     if isinstance(controller, type):
         name = controller.__name__
-        raise InputError(f"controller {name} is a class; give an object of it, {name}(...)")
+        raise InputError(f"controller {name} is a class; pass an instance, {name}(...)")
     step = getattr(controller, "step", controller)
     if not callable(step):
         raise InputError(f"controller {described(controller)} has no step(memory, measurement, reference)")
@@ -188,7 +188,7 @@ def check_drives(law: Controller, drives: int) -> None:
         check_drives(part, drives)
     size = getattr(law, "size", drives)
     if size != drives:
-        raise InputError(f"{name_of(law)} is for {size} drives, the robot has {drives}: make it for as many")
+        raise InputError(f"{name_of(law)} is for {size} drives, but the robot has {drives}: make it for as many")
 
 
 def _check_announced(law: Any) -> None:
@@ -197,7 +197,7 @@ def _check_announced(law: Any) -> None:
     Wrappers pass references on, and guards hold the last command.
     """
     if is_own(law) and not isinstance(law, Wrapper) and not makes_reference(law):
-        rule = "in a sum a law that commands theta must say makes_motor_reference = True"
+        rule = "in a sum, a law that commands theta must set makes_motor_reference = True"
         raise InputError(f"controller {name_of(law)}: {rule}, so that the others track it")
 
 
@@ -213,13 +213,13 @@ def _check_parameters(name: str, step: Callable[..., Any]) -> None:
     try:
         parameters.bind(None, None, None)
     except TypeError:
-        told = f"step must take (memory, measurement, reference); it takes {parameters}"
+        told = f"step must take (memory, measurement, reference), but takes {parameters}"
         raise InputError(f"controller {name}: {told}") from None
 
 
 def _check_needs(name: str, needs: Any) -> None:
     if not isinstance(needs, (tuple, list)) or any(x not in SENSED for x in needs):
-        rule = f"needs must be a tuple of names out of {', '.join(SENSED)}"
+        rule = f"needs must be a tuple of names from {', '.join(SENSED)}"
         raise InputError(f"controller {name}: {rule}; it is {needs!r}", needs=needs)
 
 

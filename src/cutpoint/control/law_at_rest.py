@@ -58,8 +58,8 @@ class LawAtRest:
                 self._balance(point.motor_torque, self._matters())
         fault = self._answer(0 * self._seen, self.memory, self._shift)[2]
         if fault > 0:
-            rule = f"reports fault {fault:g}, see `control.Fault`, at rest at this pose, and then holds nothing"
-            raise InputError(f"{name_of(law)} {rule}: judge it at a pose within its limits", q=point.q)
+            rule = f"reports fault {fault:g} (see `control.Fault`) at rest at this pose, and then holds nothing"
+            raise InputError(f"{name_of(law)} {rule}: choose a pose within its limits", q=point.q)
 
     def response(self, moved: Array, memory: Array) -> tuple[Array, Array]:
         """Torque and next memory, with q, v, theta and theta_dot moved by (4, n) from rest."""

@@ -69,13 +69,13 @@ def margins(robot: Robot, law: Any, q: ArrayLike, control_period: float, *, sens
     """
     loop = sampled_loop("margins", robot, law, q, control_period, sensors)
     if (count := len(loop.alone)) > MOST_STATES:
-        rule = f"robot, law and sensors have {count} states, at most {MOST_STATES}; take shorter delays"
+        rule = f"robot, law and sensors have {count} states, more than {MOST_STATES}; use shorter delays"
         raise InputError(f"margins: {rule}", states=count)
     size = float(np.abs(np.linalg.eigvals(loop.closed)).max())
     if not size <= 1 + 1e-9:  # poles of an adaptive law's parameters stay at 1 at rest
-        told = "margins: the law does not hold the robot there, whose friction is left out"
-        growth = f"what is moved grows by {size - 1:.2g} of itself in a sample; damping of the springs helps"
-        raise InputError(f"{told}: {growth}, or other gains", size=size)
+        told = "margins: the law does not hold the robot there (friction is not counted)"
+        growth = f"a deviation grows by a factor of {size:.6g} per sample; damping of the springs"
+        raise InputError(f"{told}: {growth}, or other gains, may help", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
     return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T)
 

@@ -54,8 +54,10 @@ def check_all_driven(name: str, robot: Robot) -> None:
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.start not in driven:
             what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
-            rule = f"{what} has no motor ({body.joint.name!r}), and laws are told of joints with motors only"
-            raise InputError(f"{name}: {rule}; PD and PID with gains of your own do without", joint=body.joint.name)
+            rule = (
+                f"{what} has no motor ({body.joint.name!r}), and laws only receive measurements of joints with motors"
+            )
+            raise InputError(f"{name}: {rule}; PD and PID with your own gains work without", joint=body.joint.name)
 
 
 def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
@@ -63,7 +65,7 @@ def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
     for name, drive in robot.drives.items():
         if drive.is_elastic and drive.is_coupled:
             why = f"the rotor of {name!r} has full coupling, so links feel more than their springs"
-            raise InputError(f"{law}: {why}; take {remedy}", joint=name)
+            raise InputError(f"{law}: {why}; use {remedy}", joint=name)
 
 
 def states_by_drive(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:

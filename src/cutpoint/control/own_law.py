@@ -101,13 +101,13 @@ class _Step:
         between = held_by(own)
         second, self.shape = self._once(own, **given)
         if refusals() > refused:
-            told = "catches what says that it cannot be compiled, such as an `if` within a `try`"
+            told = "catches the error that says it cannot be compiled, as an `if` within a `try` does"
             raise TraceError(f"{name_of(self._law)} {told}; write cutpoint.where(condition, yes, no)")
         if changes := changed(before, between) + changed(between, held_by(own)):
             _refuse(self._law, f"keeps state in itself ({', '.join(dict.fromkeys(changes))})")
         if shape != self.shape or not all(x is y or repr(x) == repr(y) for x, y in zip(first, second, strict=True)):
-            told = "gives something else each time for the same memory, measurement and reference"
-            _refuse(self._law, f"{told}, tried twice before the run; what it took from outside for these is gone")
+            told = "gives different results for the same memory, measurement and reference"
+            _refuse(self._law, f"{told}, in two trials before the run, which also used up what it read from outside")
         return first
 
     def check(self, graph: Graph) -> None:
@@ -126,8 +126,8 @@ class _Step:
                 at = int((~same).argmax())
                 was, now = one[at], float(np.broadcast_to(other, one.shape)[at])
                 what = "its memory" if k < self._memory else "its command"
-                told = f"gives {was:.6g} in {what} with plain numbers, and {now:.6g} compiled"
-                _refuse(self._law, f"{told}: isinstance, try, np.nan_to_num or state kept elsewhere do that")
+                told = f"gives {was:.6g} in {what} with plain numbers, but {now:.6g} compiled"
+                _refuse(self._law, f"{told}: isinstance, try, np.nan_to_num or state kept elsewhere can cause this")
 
     def _in_numbers(self) -> tuple[list[list[float]], list[list[float]]]:
         """Inputs and results of consecutive numeric steps, up to the first error of the law's own."""
@@ -169,7 +169,9 @@ def _check_memory(law: Any, start: Any, after: Any) -> None:
 
 
 def _refuse(law: Any, told: str) -> NoReturn:
-    remedy = "state is compiled if it is numbers of the memory that start() gives and step takes and returns"
+    remedy = (
+        "state can be compiled if it is kept as numbers in the memory that start() gives and step takes and returns"
+    )
     raise TraceError(f"{name_of(law)} {told}; {remedy}")
 
 

@@ -24,7 +24,9 @@ class PD(SidedLaw):
     def __post_init__(self) -> None:
         self._keep_gains("kp", "kd")
         if self.kp.shape != self.kd.shape:
-            raise InputError(f"PD: kp has shape {self.kp.shape}, kd {self.kd.shape}; give one of each for every drive")
+            raise InputError(
+                f"PD: kp has shape {self.kp.shape}, but kd {self.kd.shape}; give one of each for every drive"
+            )
         self.check_side()
 
     @property

@@ -30,7 +30,9 @@ class RigidLaw(SidedLaw, ModelLaw):
         if any(drive.is_elastic for drive in self.robot.drives.values()):
             if self.parameters is not None:
                 name = type(self).__name__
-                raise InputError(f"{name}: parameters are numbers of rigid drives; give a robot whose drives are rigid")
+                raise InputError(
+                    f"{name}: parameters must be those of rigid drives; give a robot whose drives are rigid"
+                )
             self._set(robot=without_springs(self.robot))
         super().__post_init__()
 

@@ -124,7 +124,7 @@ def check_delays(function: str, robot: Robot, period: float) -> None:
     for name, drive in robot.drives.items():
         if drive.motor is not None and drive.motor.delay is not None and drive.motor.delay > period:
             told = f"its motor's delay {drive.motor.delay} s must not exceed the control period, {period} s"
-            remedy = "is it in ms?  Whole periods go into Sensors(delay=)"
+            remedy = "is it in ms?  State whole periods in Sensors(delay=)"
             raise InputError(f"{function}: joint {name!r}: {told}; {remedy}", joint=name, delay=drive.motor.delay)
 
 
@@ -142,7 +142,7 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
     kept = len(quiet.memory(*[[0.0] * n] * 4))
     if kept > MOST_REMEMBERED:
-        rule = f"{kept} numbers on their way to the law are too many to judge it by, at most {MOST_REMEMBERED}"
+        rule = f"{kept} delayed numbers are too many to compute poles with, at most {MOST_REMEMBERED}"
         raise InputError(f"{function}: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
     order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
 
@@ -236,6 +236,6 @@ def _slopes(function: str, robot: Robot, law: Any, model: Any, period: float) ->
     matter = between(of_seen[1], of_memory[1], of_memory[0])
     slopes = _Slopes(of_seen[0], of_memory[0][:, matter], of_seen[1][matter], of_memory[1][np.ix_(matter, matter)])
     if not all(np.isfinite(x).all() for x in slopes):
-        rule = "commands or remembers what is not a finite number at rest, so it has no slopes there"
+        rule = "commands or remembers a number that is not finite at rest, so it has no slopes there"
         raise InputError(f"{function}: {name_of(law)} {rule}", q=model.point.q)
     return slopes

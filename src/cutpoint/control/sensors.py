@@ -103,7 +103,7 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
         raise InputError(f"sensors: sides {sensors.sides!r} must be 'both', 'motor' or 'link'")
     if steps > (most := MOST_DELAYED // (4 * max(size, 1))):
         found = f"delay {sensors.delay:g} s is {steps:.4g} control periods of {period} s"
-        rule = f"of {size} drives at most {most} can be delayed; shorten it, or lengthen control_period"
+        rule = f"with {size} drives at most {most} are supported; shorten the delay, or lengthen control_period"
         raise InputError(f"sensors: {found}, {rule}", delay=sensors.delay)
     seed = whole("sensors", "seed", sensors.seed, least=0)
     resolution = [one_each(sensors, side + "_resolution", size) for side in ("link", "motor")]
@@ -123,10 +123,10 @@ def one_each(sensors: Sensors, name: str, size: int) -> NDArray[np.float64] | No
     if array.shape not in ((), (size,)):
         raise InputError(f"sensors: {name} {value} must be one number, or one for each of {size} drives")
     if not np.isfinite(array).all() or (array <= 0).any():
-        raise InputError(f"sensors: {name} {value} must be positive; leave it out, or None, for a perfect encoder")
+        raise InputError(f"sensors: {name} {value} must be positive; leave it out, or give None, for a perfect encoder")
     if (array > math.tau).any():
         rule = "is more than a turn, in rad at the joint's side (m)"
-        remedy = "of 17 bits a step is 2 pi / 2**17, of a motor's encoder that over its ratio"
+        remedy = "a 17-bit encoder has steps of 2 pi / 2**17, divided by the ratio for a motor's encoder"
         raise InputError(f"sensors: {name} {value} {rule}; {remedy}")
     return np.broadcast_to(array, size).copy()
 

@@ -58,7 +58,7 @@ def tune(
     check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
     if pose.ndim != 1:
-        raise InputError(f"tune: q has shape {pose.shape}, it must be one pose, ({robot.nq},)", q=q)
+        raise InputError(f"tune: q has shape {pose.shape}, but must be one pose, ({robot.nq},)", q=q)
 
     def made(hertz: float) -> Any:
         return _made(law, design_of(robot, pose, 2 * np.pi * hertz, damping, period), options)
@@ -81,4 +81,4 @@ def _made(law: Any, w: Design, options: dict[str, Any]) -> Any:
         twice = [name for name in options if f"multiple values for argument {name!r}" in str(error)]
         if not twice:
             raise
-        raise InputError(f"tune: {twice[0]} of {law.__name__} is what tune finds; leave it out", **options) from None
+        raise InputError(f"tune: {twice[0]} of {law.__name__} is determined by tune; leave it out", **options) from None

@@ -27,7 +27,7 @@ def checked_folder(output: Path, name: str, study: str) -> Path:
     there = [each for each in ("index.html", name) if (output / each).exists()]
     if there and not _is_of(study, output / name):
         names = " and ".join(there)
-        remedy = "name another folder, or move them away"
+        remedy = "name another folder, or move them elsewhere"
         raise InputError(f"output {str(output)!r} holds {names} that this study did not write; {remedy}", output=output)
     return output
 

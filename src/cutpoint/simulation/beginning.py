@@ -50,7 +50,7 @@ def vector(name: str, value: Any, size: int) -> Array:
     """A part of the given state, (size,).  Raises InputError for an array of several."""
     array = checked_array("simulate", f"initial.{name}", value, size)
     if array.ndim != 1:
-        raise InputError(f"simulate: initial.{name} has shape {array.shape}, a run starts from one of ({size},)")
+        raise InputError(f"simulate: initial.{name} has shape {array.shape}, but must have ({size},)")
     return array
 
 
@@ -64,7 +64,7 @@ def _of_motors(robot: Robot, name: str, value: Any, links: Array) -> Array:
     apart = rigid & (np.abs(motors - links) > ROUNDING * np.maximum(np.abs(links), 1.0))
     if apart.any():
         k = int(apart.argmax())
-        rule = f"the drive of {robot.joints[k]!r} is rigid, its motor moves as its link, {links[k]:g}: give that"
+        rule = f"the drive of {robot.joints[k]!r} is rigid, so its motor moves as its link, {links[k]:g}: give that"
         raise InputError(f"simulate: initial.{name}[{k}] is {motors[k]:g}; {rule}", joint=robot.joints[k])
     return np.where(rigid, links, motors)
 
@@ -78,7 +78,7 @@ def _with_inner_states(robot: Robot, given: State, start: State, commanded: Arra
     strains = vector("strains", strains, expected.strains)
     for name, strain, most in zip(robot.strain_names, strains, _farthest(robot), strict=True):
         if abs(strain) > most * (1 + ROUNDING):
-            raise InputError(f"simulate: initial strain {name} is {strain:g}, it slips at {most:g}", name=name)
+            raise InputError(f"simulate: initial strain {name} is {strain:g}, but it slips at {most:g}", name=name)
     return start._replace(current=vector("current", current, expected.current), strains=strains)
 
 

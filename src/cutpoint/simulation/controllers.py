@@ -69,5 +69,5 @@ def check_sensors(law: Admitted, sides: str) -> None:
     if wanted:
         reader = wanted[0][0]
         names = [name for who, name in wanted if who == reader]
-        told = f"{reader} reads {', '.join(names)}, and sensors are on the {sides} side only"
-        raise InputError(f"simulate: {told}; take a law of that side, or Sensors(sides='both')", needs=names)
+        told = f"{reader} reads {', '.join(names)}, but sensors are on the {sides} side only"
+        raise InputError(f"simulate: {told}; use a law of that side, or Sensors(sides='both')", needs=names)

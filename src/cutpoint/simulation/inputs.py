@@ -37,9 +37,9 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
         raise InputError(f"simulate: duration {duration} s must be more than half a control period, {period} s")
     if not duration / period < MOST_SAMPLES:
         found = f"duration {duration:g} s at control_period {period:g} s takes {duration / period:.3g} samples"
-        parts = "run in parts, each with initial=log.end of the last, without commands on their way"
+        parts = "run in parts, each with initial=log.end of the previous one, without delayed commands"
         remedy = f"shorten the duration, lengthen the control_period, or {parts}"
-        raise InputError(f"simulate: {found}, at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
+        raise InputError(f"simulate: {found}, but at most {MOST_SAMPLES:,} are kept in memory; {remedy}")
     return np.arange(round(duration / period) + 1, dtype=np.float64) * period
 
 
@@ -57,7 +57,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     reference, expected = checked_array("simulate", asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
     if reference.shape != expected:
         rule = f"it must be {expected}: position to snap, times, joints"
-        raise InputError(f"simulate: {asked} has shape {reference.shape}, {rule}", shape=reference.shape)
+        raise InputError(f"simulate: {asked} has shape {reference.shape}: {rule}", shape=reference.shape)
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy scans contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme.tolist())
@@ -69,10 +69,10 @@ def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
     """Raises InputError for a trajectory with another number of joints, or other joint names."""
     n = len(robot.drives)
     if trajectory.size != n:
-        raise InputError(f"{function}: the trajectory has {trajectory.size} joints, the robot has {n} drives")
+        raise InputError(f"{function}: the trajectory has {trajectory.size} joints, but the robot has {n} drives")
     names = tuple(getattr(trajectory, "joints", ()))
     if names and names != robot.joints:
-        found = f"the trajectory is of {listed(names)}, the robot's joints are {listed(robot.joints)}"
+        found = f"the trajectory is for {listed(names)}, but the robot's joints are {listed(robot.joints)}"
         raise InputError(f"{function}: {found}: read it with joints=robot.joints, or in their order", joints=names)
 
 
@@ -86,7 +86,7 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
         pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
             expected = (len(times), layout.nv)
-            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, it must be {expected}")
+            raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, but must be {expected}")
         layout.disturbances(rows)[:] = pushed
     return rows
 

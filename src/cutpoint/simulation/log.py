@@ -61,10 +61,10 @@ class Log:
     def __post_init__(self) -> None:
         time = _frozen(self.time)
         if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (time[1:] <= time[:-1]).any():
-            raise InputError(f"time of shape {time.shape} must be (N,), at least one, finite and increasing")
+            raise InputError(f"time of shape {time.shape} must be (N,), N at least 1, finite and increasing")
         joints = tuple(self.joints)
         if len(set(joints)) < len(joints) or not _all_strings(joints) or "" in joints:
-            raise InputError(f"joints {joints} must be names, each its own", joints=joints)
+            raise InputError(f"joints {joints} must be distinct names", joints=joints)
         channels = {name: _frozen(values) for name, values in self.channels.items()}
         for name, values in channels.items():
             _check_channel(name, values, time.size, len(joints))
@@ -130,7 +130,9 @@ class Log:
         Raises InputError for a log that was not simulated here with all channels, or without its last sample.
         """
         if self.run is None or self.run.end is None:
-            raise InputError("end: only a log that was simulated here, with all channels and to its end, has its state")
+            raise InputError(
+                "end: only a complete log of this process's own simulation, with all channels, has its final state"
+            )
         return self.run.end
 
     def plot(self, *names: str, beside: "Mapping[str, Log] | None" = None) -> "Figure":
@@ -218,4 +220,4 @@ def _as_json(meta: Mapping[str, Any]) -> dict[str, Any]:
     try:
         return json.loads(json.dumps(dict(meta)))
     except (TypeError, ValueError) as error:
-        raise InputError(f"meta must be what JSON can say, numbers, strings, lists and dicts: {error}") from error
+        raise InputError(f"meta must be JSON: numbers, strings, lists and dicts: {error}") from error

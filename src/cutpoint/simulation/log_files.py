@@ -67,7 +67,7 @@ def save(log: Log, path: Path) -> None:
 
 def _check_size(size: int) -> None:
     if size > LARGEST_FILE:
-        remedy = "save parts of it, log.between(start, end), or simulate with channels= of those that you need"
+        remedy = "save parts of it, log.between(start, end), or simulate with only the channels= you need"
         raise InputError(f"log of {size:,} bytes is more than a file may hold, {LARGEST_FILE:,}: {remedy}", size=size)
 
 
@@ -78,7 +78,7 @@ def load(path: Path) -> Log:
     try:
         return read(path)
     except UNREADABLE as error:
-        raise InputError(f"file is not a log that Log.save wrote: {error}", place=path) from error
+        raise InputError(f"file is not a log written by Log.save: {error}", place=path) from error
 
 
 def _by_ending(path: Path, choices: dict[str, Callable[..., Any]]) -> Callable[..., Any]:
@@ -126,10 +126,10 @@ def _member(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     """An array of the archive; its declared size is checked against the true one before memory is allocated."""
     member = archive.getinfo(f"{name}.npy")
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise ValueError(f"{name} is compressed in another way than NumPy does")
+        raise ValueError(f"the compression of {name} is not one that NumPy uses")
     with archive.open(member) as file:
         if np.lib.format.read_magic(file) != (1, 0):
-            raise ValueError(f"{name} has another version of the format than 1.0")
+            raise ValueError(f"{name} is not in version 1.0 of the format")
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
     kind, most = ("U", 4 * LONGEST_HEADER) if name == "header" else ("f", LARGEST_FILE)
     if dtype.kind != kind:
@@ -185,18 +185,18 @@ def _lines(text: TextIO) -> Iterator[str]:
     while line := text.readline(LONGEST_LINE):
         count += 1
         if not line.endswith(("\n", "\r")):
-            raise ValueError(f"line {count} has no end: the file was cut off; copy it anew, or take that line out")
+            raise ValueError(f"line {count} has no end: the file was cut off; copy it again, or remove that line")
         yield line
 
 
 def _numbers(cells: list[str], width: int, line: int) -> list[float]:
     """A line's numbers.  Raises ValueError, with the line, for a wrong number of cells, or a cell without a number."""
     if len(cells) != width:
-        rule = "copy the file anew, or take that line out"
-        raise ValueError(f"line {line} has {len(cells)} cells, and must have {width} as the line of titles; {rule}")
+        rule = "copy the file again, or remove that line"
+        raise ValueError(f"line {line} has {len(cells)} cells, but must have {width} like the line of titles; {rule}")
     try:
         if any("_" in cell for cell in cells):  # Python takes 1_000 for a number
-            raise ValueError(f"{next(cell for cell in cells if '_' in cell)!r} is no number")
+            raise ValueError(f"{next(cell for cell in cells if '_' in cell)!r} is not a number")
         return [float(cell) for cell in cells]
     except ValueError as error:
         raise ValueError(f"line {line}: {str(error)[:100]}") from error

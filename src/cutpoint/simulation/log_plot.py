@@ -43,7 +43,7 @@ def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
     """
     axes = _axes(logs, names)
     if not axes:
-        raise InputError("the log has no channels to plot, or nothing but NaN in them")
+        raise InputError("the log has no channels to plot, or only NaN in them")
     across, cells = _cells(axes, apart=bool(names))
     down = cells[-1] // across + 1
     figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
@@ -69,7 +69,7 @@ def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
             raise InputError("plot: a name in beside is empty; name each log, for the legend")
         check_kind("plot", f"beside[{run!r}]", other, Log, "a log")
     if beside and not names:
-        raise InputError("plot: of logs side by side say which channels: log.plot('position_error', beside={...})")
+        raise InputError("plot: name the channels of logs side by side: log.plot('position_error', beside={...})")
 
 
 def _label(channel: str, run: str) -> str:

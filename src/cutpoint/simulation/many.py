@@ -124,12 +124,12 @@ def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
     for name, value in given.items():
         if isinstance(value, Iterator) or (name == "controller" and isinstance(value, np.ndarray)):
             kind = type(value).__name__
-            raise InputError(f"simulate_many: {name} is a {kind}; give one for all runs, or a list of one a run")
+            raise InputError(f"simulate_many: {name} is a {kind}; give one for all runs, or a list with one per run")
     lists = {name: value for name, value in given.items() if type(value) in (list, tuple)}
     counts = {name: len(value) for name, value in lists.items()}
     if len({*counts.values()}) != 1 or 0 in counts.values():
         told = ", ".join(f"{count} of {name}" for name, count in counts.items()) or "none"
-        raise InputError(f"simulate_many: lists must be as long as there are runs, at least 1; there are {told}")
+        raise InputError(f"simulate_many: lists must have one entry per run, at least 1; there are {told}")
     n = next(iter(counts.values()))
     return {name: [*value] if name in lists else [value] * n for name, value in given.items()}
 

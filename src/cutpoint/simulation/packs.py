@@ -126,7 +126,7 @@ class Pack:
         if failed and (again := self._again(setup))[-1]:  # empty if the run failed after its last sample
             loop, record, done, cause = again
         elif done < len(self.times):
-            cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds all until then"
+            cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds everything until then"
         log = log_of(loop, record[:done], self.times, setup.reference, setup.rows, self.settings)
         if cause is None:
             return log

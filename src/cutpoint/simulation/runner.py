@@ -97,7 +97,11 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
         except NoNumberError as found:
             return Outcome(done + 1, _odd_command(loop, found.command, found.time), diverged=True)
         except KeyboardInterrupt:
-            when = f"at t = {(done - 1) * loop.period:g} s; the log holds all until then" if done else "before it began"
+            when = (
+                f"at t = {(done - 1) * loop.period:g} s; the log holds everything until then"
+                if done
+                else "before it began"
+            )
             return Outcome(done, f"interrupted {when}")
     return Outcome(done)
 
@@ -177,10 +181,12 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
     if np.isfinite(state).all():
         found = _largest(loop, state)
     elif loop.kept is None:
-        found = f"the state is not finite; a sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
+        found = (
+            f"the state is not finite; one sample earlier {_largest(loop, memory['record'][done - 1, : len(state)])}"
+        )
     else:
         found = "the state is not finite"
-    remedy = "lower the gains, or the rates of a law that learns, check the sides they act on, or take more substeps"
+    remedy = "lower the gains (or the rates of a law that learns), check the sides they act on, or use more substeps"
     return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
 
 
@@ -190,7 +196,7 @@ def _odd_command(loop: ClosedLoop, command: Array, time: float) -> str:
     joint, sides = [*loop.robot.drives][drive], loop.encoders.sides
     what = f"{('torque', 'feedforward', 'theta', 'theta_dot')[part]} {command[worst]}"
     told = f"controller {name_of(loop.controller)} commands {what} for {joint!r} at t = {time:g} s"
-    why = f"; sensors are on the {sides} side only, and it is told NaN of the other" if sides != "both" else ""
+    why = f"; sensors are on the {sides} side only, so it reads NaN for the other" if sides != "both" else ""
     return f"{told}, which is not a finite number{why}"
 
 

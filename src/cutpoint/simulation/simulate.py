@@ -184,7 +184,7 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
     check_delays("simulate", robot, period)
     if accuracy == "reference":
         if substeps is not None:
-            rule = "has no effect on accuracy 'reference', which hold=False takes, too: leave it out"
+            rule = "has no effect with accuracy 'reference' or hold=False: leave it out"
             raise InputError(f"simulate: substeps={substeps!r} {rule}")
         return Steps(1, "the adaptive integrator")
     if substeps is None:
@@ -192,7 +192,7 @@ def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, s
         return substeps_for(robot, accuracy, period, _poses(robot, start, reference), speeds)
     number = whole("simulate", "substeps", substeps)
     if number > MOST_STEPS:
-        remedy = "leave it out for as many as the robot asks for, or integrate with accuracy='reference'"
+        remedy = "leave it out for as many as the robot needs, or integrate with accuracy='reference'"
         raise InputError(f"simulate: substeps {number:.6g} must be at most {MOST_STEPS:,}; {remedy}", substeps=number)
     return Steps(number, "the caller")
 

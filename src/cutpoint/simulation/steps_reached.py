@@ -46,8 +46,8 @@ def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> 
     taken, asked = log.meta["substeps"], log.meta["control_period"] * limit.rate / longest
     if asked > allowed * taken:
         asked = int(np.ceil(asked))
-        told = f"the run {what} {limit.cause} would take {asked} integration steps a control period"
-        warn(f"{told}, {taken} were taken: give substeps={asked}", StiffnessWarning)
+        told = f"the run {what} {limit.cause} would take {asked} integration steps per control period"
+        warn(f"{told}, but {taken} were taken: give substeps={asked}", StiffnessWarning)
 
 
 def _fastest_turn(robot: Robot, log: Log) -> Limit:

@@ -88,7 +88,7 @@ def substeps_for(robot: Robot, accuracy: str, period: float, poses: Array, speed
     if wanted > MOST_SUBSTEPS:
         parts = "distance, stiffness, bandwidth, Stribeck velocity, smoothing, order of a wave"
         remedy = "Shorten the control_period" if cause == LONGEST_STEP else f"Soften it ({parts})"
-        told = f"{cause} would take {wanted:.6g} integration steps a control period"
+        told = f"{cause} would take {wanted:.6g} integration steps per control period"
         fastest = f"(the drives' fastest mode is {mode.rate / 2 / np.pi:.4g} Hz)"
         words = f"{told} {fastest}; {MOST_SUBSTEPS} are taken. {remedy}, or give substeps="
         warn(words, StiffnessWarning)

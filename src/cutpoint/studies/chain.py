@@ -104,7 +104,7 @@ def _kind(body: Body, coupled: bool) -> Kind:
     joint = body.joint
     if joint.kind not in ("revolute", "continuous", "prismatic"):
         raise ModelError(
-            f"joint {joint.name!r}: a {joint.kind} joint has no place in a chain of revolute and prismatic joints; "
+            f"joint {joint.name!r}: a {joint.kind} joint does not fit a chain of revolute and prismatic joints; "
             "fix the base, or compare by another formulation",
             joint=joint.name,
         )

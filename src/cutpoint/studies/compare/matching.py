@@ -83,7 +83,7 @@ def equal_bandwidth(share: Callable[[float], float], guess: float) -> float:
         then = np.log(share(float(np.exp(ahead))))
         slope = np.clip((then - y) / (ahead - x), *SLOPES)
         x, y = ahead, then
-    raise InputError(f"at no bandwidth near {guess:g} Hz is it as stiff as the PD", guess=guess)
+    raise InputError(f"no bandwidth near {guess:g} Hz makes it as stiff as the PD", guess=guess)
 
 
 def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Match:
@@ -92,7 +92,7 @@ def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Ma
     smooth = contender.smooth(law)
     check_holds(bench.robot, smooth, bench.home, bench.control_period)
     if score(bench, law, as_modelled(bench)) == DIVERGED:
-        raise InputError("it holds at home, and diverges on the way, though the plant is the model")
+        raise InputError("it holds at home but diverges during the motion, although the plant is the model")
     stiffness, damping = _signal(bench, smooth)
     return Match(contender, bandwidth, law, stiffness, damping, _mean(stiffness / pd))
 

@@ -59,7 +59,7 @@ def run(
         try:
             compare(bench, results, chosen, plans, seeds, bar)
         except KeyboardInterrupt:
-            told = f"interrupted; what there is goes to {output / 'index.html'}"
+            told = f"interrupted; results so far go to {output / 'index.html'}"
             bar.console.print(told, markup=False, highlight=False, soft_wrap=True)
         done = sum(len(laws) for laws in results.outcomes.values()), len(chosen) * len(plans)
         heading = Heading(f"Control laws compared on {bench.robot.name}", "cutpoint compare", summary(results, done))

@@ -43,7 +43,7 @@ def run(output: Path, *, largest: int = SIZES[-1], progress: bool = True) -> dic
     output = checked_folder(output, "cost.json", "cost")
     largest = whole("cost", "largest", largest, least=ARM)
     if largest > SIZES[-1]:
-        rule = f"must be at most {SIZES[-1]}: contenders go no farther"
+        rule = f"must be at most {SIZES[-1]}, the largest size of the contenders"
         raise InputError(f"cost: largest {largest} {rule}", largest=largest)
     sizes = [*(n for n in SIZES if n < largest), largest]
     with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:

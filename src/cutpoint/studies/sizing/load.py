@@ -55,8 +55,8 @@ def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -
     end = trajectory.duration
     count = max(FEWEST, int(np.ceil(end / period)))
     if count > MOST:
-        rule = f"at most {MOST:,} samples are taken: give a longer period"
-        raise InputError(f"sizing: {end:g} s in steps of {period:g} s are too many; {rule}", period=period)
+        rule = f"at most {MOST:,} are taken: give a longer period"
+        raise InputError(f"sizing: {end:g} s in steps of {period:g} s is too many samples; {rule}", period=period)
     load = _moving(robot, trajectory, np.linspace(0.0, end, count + 1))
     waves = int(np.ceil(A_WAVE * end * _highest_frequency(robot, load)))
     if waves > count:
