@@ -126,7 +126,7 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
             lambda: parse_drives(3, robot("xia2019").mechanism),
             r"parse_drives: content must be the text of a drive file",
         ),
-        (lambda: dump_drives([1]), r"dump_drives: drives must be a Drive for each of some joints, by name, got \[1\]"),
+        (lambda: dump_drives([1]), r"dump_drives: drives must be a mapping of joint names to Drives, got \[1\]"),
         (lambda: cycloid([1.0], np.array("abc")), r"duration must be one number, s, got an array \(\) of <U3"),
         (lambda: clock_skew("x", Q, 1e-3), r"clock_skew: x must be numbers, got 'x'"),
         (lambda: clock_skew(Q[:, 0], Q, None), r"clock_skew: period must be one number, s, got None"),

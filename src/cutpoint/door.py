@@ -28,7 +28,7 @@ FAR = 10.0
 NEAR = 1.25
 """Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
 
-DRIVES = "a Drive for each of some joints, by name"
+DRIVES = "a mapping of joint names to Drives"
 """What arguments that give drives must be."""
 
 _REAL = (int, float, np.integer, np.floating)

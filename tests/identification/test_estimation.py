@@ -90,7 +90,7 @@ def test_the_shape_of_friction_is_found_and_no_richer_law_is_taken(smoothing: fl
     found = identify_rigid(arm.file, recorded(arm.robot.with_drives(drives), 1), cutoff=CUTOFF)
     assert {choice.family for choice in found.friction} == {"coulomb"}
     assert [choice.law.smoothing for choice in found.friction] == pytest.approx([smoothing] * 3, rel=0.2)
-    assert "chosen among (RMS of held-out torques, N m) coulomb" in str(found.friction[0])
+    assert "chosen among (RMS error of held-out torques, N m) coulomb" in str(found.friction[0])
 
 
 @pytest.mark.parametrize("method", ["huber", "instrumental"])

@@ -63,7 +63,7 @@ def test_friction_that_is_less_at_rest_is_not_written_as_even_after_it_was_judge
     for drive in found.robot.drives.values():
         law = drive.link_friction
         assert not isinstance(law, Stribeck) or law.static >= law.coulomb
-    assert not any("a drive file knows only falling" in note for note in found.notes)
+    assert not any("rises from rest" in note for note in found.notes)
 
 
 def test_friction_of_both_sides_is_shared_as_the_files_share_it(tmp_path: Path):

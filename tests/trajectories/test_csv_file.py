@@ -101,7 +101,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have its own name"),
         ("t,elbow,\n" + GOOD, r"column '' must have its own name"),
         ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),
-        ("t,elbow\n0,1\n1,2,3\n", r"3 cells must be 2, as in the first line \(.*motion.csv:3\)"),
+        ("t,elbow\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the first line \(.*motion.csv:3\)"),
         (
             "t,elbow\n0,1\n1,bent\n",
             r"position of joint 'elbow' is 'bent': it must be a finite .*\(.*motion.csv:3\)",

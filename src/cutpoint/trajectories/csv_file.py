@@ -140,7 +140,8 @@ def _column(cell: str, place: str) -> Column:
 
 def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
     if len(cells) != 1 + len(columns):
-        raise InputError(f"{len(cells)} cells must be {1 + len(columns)}, as in the first line", place=place)
+        rule = f"it must have {1 + len(columns)}, as the first line"
+        raise InputError(f"line has {len(cells)} cells: {rule}", place=place)
     time = _number(cells[0], "time", place)
     return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
 

@@ -34,7 +34,7 @@ def delay_remarks(delays: Mapping[str, Delay], supposed: float, damped: Collecti
         return ()
     values, deviations = (np.array(x) for x in zip(*delays.values(), strict=True))
     found, surely = float(np.median(values)), max(WORTH, SIGNIFICANT * float(np.median(deviations)))
-    each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g}" for joint, x in delays.items())
+    each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g} ms" for joint, x in delays.items())
     remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "on time"
     if found - supposed < -surely:
         told = f"springs show that torques act {_when(found)} than stamped, not {taken} ({each})"

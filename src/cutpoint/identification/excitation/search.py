@@ -91,8 +91,11 @@ def search(
 
 def _nothing(found: Found, seconds: float) -> InputError:
     slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
-    remedy = f"allow more there, or {slower}, or {longer}"
-    told = found.worst.told if found.worst else "motions keep within all limits but do not tell all parameters"
+    if found.worst:
+        told, remedy = found.worst.told, f"allow more there, or {slower}, or {longer}"
+    else:
+        told, richer = "motions do not tell all parameters", "give more harmonics (harmonics=, --harmonics)"
+        remedy = f"{longer}, or {richer}"
     return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
 
 

@@ -72,7 +72,7 @@ class FrictionChoice:
 
     def __str__(self) -> str:
         each = ", ".join(f"{name} {held.error:.4g}" for name, held in self.compared.items())
-        return f"{self.joint}: {self.family} friction, chosen among (RMS of held-out torques, {self.unit}) {each}"
+        return f"{self.joint}: {self.family} friction, chosen among (RMS error of held-out torques, {self.unit}) {each}"
 
 
 def choose_friction(
