@@ -52,7 +52,7 @@ def recording() -> Recording:
         (followed_hysteresis, {"theta": Q, "q": Q}),
         (sizing, {"trajectory": MOVE}),
         (tune, {"bandwidth": 1.0}),
-        (slowest_pole, {"law": PD([1.0], [1.0]), "q": Q[0], "period": 1e-3}),
+        (slowest_pole, {"law": PD([1.0], [1.0]), "q": Q[0], "control_period": 1e-3}),
         (base_parameters, {}),
         (identify_rigid, {"recording": recording()}),
         (identify_drives, {"recording": recording()}),
