@@ -36,7 +36,7 @@ drives: {swing: {ratio: 100, rotor: {inertia: 1.0e-5}, compliance: {linear: {sti
 """
 
 BAD_PLACES = {
-    "a folder that is not there": ("none/run.npz", r"'none/run.npz': folder 'none' does not exist; make it"),
+    "a folder that is not there": ("none/run.npz", r"'none/run.npz': folder 'none' does not exist; create it"),
     "a folder": ("folder.npz", r"'folder.npz' is a folder; name a file in it"),
     "a file as a folder": ("file/run.npz", r"'file/run.npz': folder 'file' does not exist"),
 }
@@ -224,7 +224,7 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
             "--period applies only to --law: leave",
         ),
         (["plot", "run.npz", "run.npz"], "'run.npz' is named twice; name each log once"),
-        (["export", "xia2019", "out", "--law", "slotineli", "--to", "cuda"], "--to cuda is for a --function"),
+        (["export", "xia2019", "out", "--law", "slotineli", "--to", "cuda"], "--to cuda applies only to --function"),
     ],
 )
 def test_options_of_laws_that_contradict_each_other_are_refused(
@@ -311,7 +311,7 @@ def test_an_interrupted_study_ends_with_130_and_says_whether_there_is_a_report(
     monkeypatch.setattr(f"cutpoint.studies.{place}", Mock(side_effect=KeyboardInterrupt))
     result = CliRunner().invoke(app, [command, "--output", str(tmp_path / "report")])
     assert (result.exit_code, result.stderr.strip()) == (130, f"interrupted; {told.format(tmp_path)}")
-    assert (tmp_path / "report" / "index.html").exists() == ("goes to" in told)
+    assert (tmp_path / "report" / "index.html").exists() == ("go to" in told)
 
 
 @pytest.mark.parametrize("cause", ["KeyboardInterrupt", "ImportError('half made') from KeyboardInterrupt()"])

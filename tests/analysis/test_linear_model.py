@@ -158,7 +158,7 @@ def test_wrong_operating_points_are_refused():
     ours, floating = library("xia2019"), library("mixed_floating")
     with pytest.raises(InputError, match="last axis must be 6"):
         ours.linearize(np.zeros(5))
-    with pytest.raises(InputError, match="one operating point"):
+    with pytest.raises(InputError, match="a single operating point"):
         ours.linearize(np.zeros((2, 6)))
     with pytest.raises(InputError, match=r"v\[3\] is nan"):
         ours.linearize(np.zeros(6), v=[0, 0, 0, np.nan, 0, 0])

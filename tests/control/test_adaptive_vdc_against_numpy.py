@@ -94,6 +94,6 @@ def test_vdc_bears_what_fully_coupled_rotors_add(adaptive):
 
 @pytest.mark.parametrize("make", [LAWS["VDC"], LAWS["elastic computed torque"]])
 def test_a_law_that_takes_links_jerk_from_springs_refuses_fully_coupled_rotors(make):
-    with pytest.raises(InputError, match=r"rotor of 'joint1' has full coupling, so links.*; take ") as raised:
+    with pytest.raises(InputError, match=r"rotor of 'joint1' has full coupling, so links.*; use ") as raised:
         make(fully_coupled(LinearSpring(8e3)))
     assert raised.value.evidence["joint"] == "joint1"

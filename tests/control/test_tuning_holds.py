@@ -122,7 +122,7 @@ def test_gains_are_held_against_the_sensors():
     tune(elbow(), 40.0)
     with pytest.raises(InputError, match=r"PD does not hold at this pose: .*; a bandwidth of \S+ Hz holds"):
         tune(elbow(), 40.0, sensors=Sensors(speeds="differenced", delay=1e-3))
-    with pytest.raises(InputError, match=r"sensors delay by 500 periods: 4000 numbers .* at most 1500"):
+    with pytest.raises(InputError, match=r"sensors delay by 500 periods: 4000 delayed numbers .* at most 1500"):
         tune(elbow(), 10.0, sensors=Sensors(delay=0.5))
 
 

@@ -228,7 +228,7 @@ REFUSED = {
     ),
     "a pole where commands come too late": (
         lambda: slowest_pole(late(5e-3), law("PD"), [0.0] * 2, 1e-3),
-        r"slowest_pole: joint 'shoulder': its motor's delay 0.005 s must not exceed .* 0.001 s; is it in ms\?  Whole",
+        r"slowest_pole: joint 'shoulder': its motor's delay 0.005 s must not exceed .* 0.001 s; is it in ms\?  State",
     ),
     "a pole of a law that commands no number": (
         lambda: slowest_pole(elbow(), lambda memory, m, r: (memory, m.q + np.nan), [0.0] * 2, 1e-3),
@@ -242,7 +242,7 @@ REFUSED = {
         lambda: tune(elbow(), 3.0, sides="motor"),
         r"no option of PD is named 'sides'.*'side'",
     ),
-    "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), it must be one"),
+    "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), but must be one"),
     "a sum of nothing": (
         lambda: Sum(()),
         r"Sum: it has no parts, so its number of drives is unknown; give it at least one law",

@@ -194,7 +194,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(tmp_path: Path) -> Non
         compile(lambda q: q * 3, name="law", q=()).to_cuda(tmp_path)
     assert "0x1.0000000000000p+1" in (tmp_path / "law.cu").read_text()
     assert kernel.to_cuda(tmp_path, force=True) == (tmp_path / "law.cu", tmp_path / "law.cuh")
-    with pytest.raises(InputError, match=r"law.cu' cannot be made"):
+    with pytest.raises(InputError, match=r"law.cu' cannot be created"):
         kernel.to_cuda(tmp_path / "law.cu")
 
 
@@ -355,7 +355,7 @@ class Elsewhere(np.ndarray):
 
 
 def test_an_array_on_another_gpu_is_refused(stand_in: StandIn) -> None:
-    with pytest.raises(InputError, match=r"both: q is on GPU 1, GPU 0 is in use: move it, or call within"):
+    with pytest.raises(InputError, match=r"both: q is on GPU 1, but GPU 0 is in use: move it, or call within"):
         compile(both, q=2, v=(), M=(2, 3)).on_gpu()(np.zeros(2).view(Elsewhere), 0.0, np.zeros((2, 3)))
 
 

@@ -151,7 +151,7 @@ def test_lanes_see_what_was_written_under_another_name(backend: str) -> None:
 WRONG_ROWS: list[tuple[Any, str]] = [
     (np.array([3, 0, 4]), "names row 4; region 'total' has rows 0 to 3"),
     (np.array([3, -1, 0]), "names row -1"),
-    (np.array([3, 0]), "has 2 entries, it must have at least 3"),
+    (np.array([3, 0]), "has 2 entries, but must have at least 3"),
     (np.array([3.0, 0.0, 1.0]), "of int64"),
     (np.array([3, 0, 1], np.int32), "of int64"),
     (np.array([3, 9, 0, 9, 1])[::2], "contiguous"),

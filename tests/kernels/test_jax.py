@@ -201,7 +201,7 @@ def test_arguments_that_do_not_fit_are_refused(function: Any) -> None:
 def test_single_precision_is_refused_with_the_remedy(function: Any) -> None:
     jax.config.update("jax_enable_x64", False)
     try:
-        with pytest.raises(InputError, match=r'float64; say jax.config.update\("jax_enable_x64", True\) first'):
+        with pytest.raises(InputError, match=r'float64; run jax.config.update\("jax_enable_x64", True\) first'):
             function(np.zeros(2), 0.0, np.zeros((2, 3)))
     finally:
         jax.config.update("jax_enable_x64", True)

@@ -178,7 +178,7 @@ def test_derivatives_of_a_large_floating_robot_are_pinocchios() -> None:
     assert_pinocchios(ours, model, data, q, v, a)
     derivatives.forward_dynamics(robot, q, v, a)
     for name in ("inverse_dynamics_derivatives", "forward_dynamics_derivatives"):
-        with pytest.raises(InputError, match=rf"{name}: with 31 bodies it runs as loops over them, .*: lock joints"):
+        with pytest.raises(InputError, match=rf"{name}: with 31 bodies it runs as loops over them .*: lock joints"):
             robot.kernel(name)
     zero = np.where(np.arange(robot.nq) < 7, 0.0, q)
     with pytest.raises(InputError, match="inverse_dynamics_derivatives: the quaternion of joint 'base' is zero"):
@@ -194,7 +194,7 @@ def test_a_mass_matrix_without_an_inverse_is_refused() -> None:
 def test_motions_too_fast_for_their_accelerations_to_be_taken_are_refused() -> None:
     robot = Robot(chain(30))
     s = states(robot)
-    with pytest.raises(InputError, match=r"forward_dynamics_derivatives: .* accelerations up to .*, at most 1e\+15"):
+    with pytest.raises(InputError, match=r"forward_dynamics_derivatives: .* accelerations up to .*, more than 1e\+15"):
         derivatives.forward_dynamics(robot, s["q"], 1e8 * s["v"], s["a"])
 
 
@@ -332,5 +332,5 @@ def test_coriolis_matrices_of_large_robots_take_the_bias_from_gravity(mechanism:
 def test_matrices_that_cannot_be_compiled_are_refused_before_they_are_traced(name: str) -> None:
     """With a joint that loops do not support."""
     robot, inputs = Robot(chain(400, ("revolute",) * 399 + ("planar",))), {"regressor": 3, "velocity_map": 1}
-    with pytest.raises(InputError, match=rf"{name}: of 400 bodies it takes far more than 200000 operations"):
+    with pytest.raises(InputError, match=rf"{name}: with 400 bodies it takes far more than 200000 operations"):
         getattr(robot, name)(*[np.zeros(robot.nv)] * inputs[name])

@@ -130,7 +130,7 @@ def test_large_robots_loop_and_small_ones_do_not(name: str) -> None:
     robot = Robot(chain(most + 1))
     given = dict(zip(("q", "v", "a"), states(robot), strict=True)) | {"tau": np.ones(most + 1)}
     getattr(robot, name)(*(given[x] for x in RECIPES[name].inputs))
-    with pytest.raises(InputError, match=rf"{name}: of {most + 1} bodies it runs as loops over them"):
+    with pytest.raises(InputError, match=rf"{name}: with {most + 1} bodies it runs as loops over them"):
         robot.kernel(name)
 
 

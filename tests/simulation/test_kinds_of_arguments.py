@@ -83,7 +83,7 @@ def test_a_run_has_one_start(part, size, law):
     ("made", "message"),
     [
         (lambda t: [1, 2], r"has shape \(2,\), its last axis must be 6"),
-        (lambda t: np.zeros((3, len(t), 6)), r"has shape \(3, 21, 6\), it must be \(5, 21, 6\): position"),
+        (lambda t: np.zeros((3, len(t), 6)), r"has shape \(3, 21, 6\): it must be \(5, 21, 6\): position"),
         (lambda t: np.full((5, len(t), 6), np.nan), r"\[0, 0, 0\] is nan, every number must be finite"),
         (lambda t: "no", "must be numbers of shape"),
     ],
@@ -118,7 +118,7 @@ def test_strains_beyond_where_elements_slip_are_refused():
     slipping = {name: replace(x, hysteresis=MaxwellSlip((400.0,), (1e-3,))) for name, x in ours.drives.items()}
     ours = ours.with_drives(slipping)
     simulate(ours, None, duration=0.01, initial=State(strains=np.full(6, -1e-3)))
-    with pytest.raises(InputError, match=r"initial strain joint2: hysteresis 1 is 0.1, it slips at 0.001"):
+    with pytest.raises(InputError, match=r"initial strain joint2: hysteresis 1 is 0.1, but it slips at 0.001"):
         simulate(ours, None, duration=0.01, initial=State(strains=[0, 0.1, 0, 0, 0, 0]))
 
 

@@ -101,7 +101,7 @@ def test_a_step_takes_so_much_of_the_fastest_wave_and_only_of_one_that_is_there(
 def test_waves_that_turn_out_too_fast_for_the_steps_are_told_of():
     ours, start = turning(compliance=SPRING, motor=COGGING), State(q=np.zeros(1), v=np.ones(1))
     pushed = {"duration": 0.1, "initial": start}
-    told = r"at which waves of order 84 of the motor of 'joint' would take \d+ .*, 5 were taken: give substeps="
+    told = r"at which waves of order 84 of the motor of 'joint' would take \d+ .*, but 5 were taken: give substeps="
     with pytest.warns(StiffnessWarning, match=told):
         simulate(ours, Shaken(40.0, 5.0), **pushed)
     with pytest.warns(StiffnessWarning, match=told):

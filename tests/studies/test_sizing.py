@@ -327,7 +327,7 @@ def test_what_slides_is_told_in_newtons_and_metres():
         ({"dwell": -1.0}, r"dwell -1.0 s must be finite and not negative"),
         ({"dwell": np.nan}, r"dwell nan s"),
         ({"period": 0.0}, r"period 0.0 s must be positive"),
-        ({"period": 1e-9}, r"too many; at most 500,000 samples"),
+        ({"period": 1e-9}, r"too many samples; at most 500,000 are"),
         ({"life": -5.0}, r"life -5.0 h must be positive"),
     ],
 )
