@@ -105,6 +105,17 @@ def test_files_are_joined_and_notes_name_theirs(files: Path, tmp_path: Path, jit
     assert "13 of 13 numbers" in words
 
 
+def test_a_log_that_is_named_twice_is_refused(files: Path, tmp_path: Path):
+    """Its samples would count twice, and intervals would come out too narrow."""
+    log, once = write_log(tmp_path / "run.csv", channels()), recording()
+    status, words = run(files, log, tmp_path / "out", str(tmp_path / "." / "run.csv"))
+    assert status and "run.csv' is named twice; name each log once" in words
+    with pytest.raises(InputError, match="a recording is named twice"):
+        identify(TRUTH, [once, once])
+    with pytest.raises(InputError, match="path"):
+        identify(TRUTH, 3)  # type: ignore[arg-type]
+
+
 WRONG = {
     "no log": (lambda: joined([]), "joined: there is no recording"),
     "another period": (

@@ -81,7 +81,7 @@ def identify(
     progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves those out.
 
     Raises:
-        ModelError, InputError: an error in a file or an argument, or files that do not match.
+        ModelError, InputError: an error in a file or an argument, files that do not match, or a log named twice.
     """
     torque_delay = number("identify", "torque_delay", torque_delay, "s")
     if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
@@ -93,7 +93,7 @@ def identify(
     how: dict[str, Any] = of_rigid | filters
     with Steps(3, progress) as say:
         say("reading the log")
-        logs = [log] if isinstance(log, (Recording, str, Path)) else [*log]
+        logs = _each_once(log)
         before, stamped, resolution = _read(robot, logs, mapping, drives)
         with _told_of(logs):
             stamped = aligned(stamped) if align else stamped
@@ -105,6 +105,20 @@ def identify(
             errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
     return _identification(before, file, recording, found, errors)
+
+
+def _each_once(log: OneLog | Sequence[OneLog]) -> list[OneLog]:
+    """One log or several as a list.  Raises InputError for one that is named twice."""
+    logs = [*log] if isinstance(log, Sequence) and not isinstance(log, str) else [log]
+    seen: set[object] = set()
+    for each in logs:
+        is_file = isinstance(each, (str, Path))
+        key = Path(each).resolve() if is_file else id(each)
+        if key in seen:
+            what = repr(str(each)) if is_file else "a recording"
+            raise InputError(f"identify: {what} is named twice; name each log once", log=each)
+        seen.add(key)
+    return logs
 
 
 @contextmanager
