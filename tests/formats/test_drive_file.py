@@ -328,12 +328,13 @@ ROTOR, SPRING = "ratio: 100, rotor: {inertia: 1.0e-4}", "compliance: {linear: {s
         ),
         (
             f"{ROTOR}, compliance: {{linear: {{stiffness: 1.6}}}}",
-            r"compliance.linear.stiffness 1.6 N m/rad looks like a number in 10\^4",
+            r"compliance.linear.stiffness 1.6 N m/rad looks like a number in 10\^4 N m/rad",
         ),
         ("ratio: 100, limits: {velocity: 180}", "limits.velocity 180.0 rad/s turns the motor at 1.72e[+]05 rpm"),
         (
             f"{ROTOR}, compliance: {{catalogue: {{k1: 3.1, k2: 5.0, k3: 5.7, t1: 14, t2: 48}}}}",
-            r"compliance.catalogue.k1 3.1 N m/rad is wound up by 4.52 rad at t1: it looks like a number in 10\^4 N m",
+            r"compliance.catalogue.k1 3.1 N m/rad is wound up by 4.52 rad at t1: it looks like a number in 10\^4 "
+            "N m/rad",
         ),
     ],
 )

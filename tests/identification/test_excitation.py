@@ -272,6 +272,7 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"boxes": [1.0]}, r"boxes must be a mapping of frame names to \(low, high\)"),
         ({"resume": 3}, r"resume must be the path of a file, got 3"),
         ({"seconds": -1.0}, r"seconds -1.0"),
+        ({"travel": 1e-6}, r"no motion .* that tells all parameters was found in .* s: allow more travel or speed"),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], message: str) -> None:

@@ -68,7 +68,9 @@ def export(
     floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
     expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
-    name: Annotated[str | None, typer.Option(help="Name of the C function; default: that of --function.")] = None,
+    name: Annotated[
+        str | None, typer.Option(help="Name of the C function; default: that of --function, or control_step.")
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", metavar="", help="Overwrite files not written by cutpoint.")
     ] = False,

@@ -92,11 +92,10 @@ def search(
 def _nothing(found: Found, seconds: float) -> InputError:
     slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
     if found.worst:
-        told, remedy = found.worst.told, f"allow more there, or {slower}, or {longer}"
-    else:
-        told, richer = "motions do not tell all parameters", "give more harmonics (harmonics=, --harmonics)"
-        remedy = f"{longer}, or {richer}"
-    return InputError(f"no motion was found within all limits in {seconds:.3g} s; at best, {told}: {remedy}")
+        told = f"no motion was found within all limits in {seconds:.3g} s; at best, {found.worst.told}"
+        return InputError(f"{told}: allow more there, or {slower}, or {longer}")
+    told = f"no motion within the limits that tells all parameters was found in {seconds:.3g} s"
+    return InputError(f"{told}: allow more travel or speed, or {longer}")
 
 
 def _random(problem: Problem, rng: np.random.Generator) -> Array:

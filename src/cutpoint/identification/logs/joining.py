@@ -20,18 +20,18 @@ SAME = 0.01
 def joined(recordings: Sequence[Recording]) -> Recording:
     """Recordings one after another, `PAUSE` apart, with the joints of the first and the channels that all have.
 
-    Encoders must have kept their zeros: positions are not shifted.
+    Encoders must have kept their zeros and their clocks' delays: nothing is shifted.
 
     Raises InputError: no recording, different periods, a joint of the first that others lack, no common channel.
     """
     for recording in recordings:
         check_recording("joined", recording)
     if not recordings:
-        raise InputError("joined: there is no recording")
+        raise InputError("joined: there is no recording; give at least one")
     names = [name for name in recordings[0].channels if all(name in each.channels for each in recordings)]
     if not names:
         held = "; ".join(", ".join(each.channels) for each in recordings)
-        raise InputError(f"joined: no channel is in every recording; they hold {held}")
+        raise InputError(f"joined: no channel is in every recording; they hold {held}; join those that share some")
     period = _common_period(recordings)
     pause = period * np.arange(1.0, PAUSE / period + 2.0)
     parts = [each.in_order(recordings[0].joints) for each in recordings]
