@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint import InputError, Log, ModelError, control, robots
 from cutpoint.commands import app, laws, shared
-from cutpoint.control import recipes
+from cutpoint.control.tuning import recipes
 from cutpoint.export import export_controller
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading

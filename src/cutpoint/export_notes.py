@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control import Fault
-from cutpoint.control.model_law import ModelLaw
+from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values

@@ -12,7 +12,7 @@ from test_laws_against_numpy import agree, body_gains, samples, spread
 
 from cutpoint import Drive, InputError, LinearSpring, Robot, Rotor
 from cutpoint.control import VDC, AdaptiveVDC, ElasticComputedTorque, FullStateFeedback, Measurement, Reference
-from cutpoint.control.command_filter import FilterState
+from cutpoint.control.laws.command_filter import FilterState
 from robot_library import assert_close, robot
 
 

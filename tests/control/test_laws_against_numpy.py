@@ -25,7 +25,7 @@ from cutpoint.control import (
     SuperTwisting,
     tune,
 )
-from cutpoint.control.model_law import without_springs
+from cutpoint.control.laws.model_law import without_springs
 from robot_library import Array, assert_close, robot
 
 PERIOD = 1e-3

@@ -21,7 +21,7 @@ from cutpoint.control import (
     slowest_pole,
     tune,
 )
-from cutpoint.control.sampled_loop import sampled_loop
+from cutpoint.control.stability.sampled_loop import sampled_loop
 from cutpoint.model import Body, Limits
 from cutpoint.trajectories import cycloid
 from robot_library import Array

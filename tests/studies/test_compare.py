@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint.commands import app
 from cutpoint.control import PD, ComputedTorque
-from cutpoint.control.sampled_loop import small_signal
+from cutpoint.control.stability.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.model.hand import hand_of
 from cutpoint.studies.compare import bench_of, panda, run

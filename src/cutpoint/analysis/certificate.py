@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from cutpoint import kernels
 from cutpoint.analysis.virtual_power import Flows, virtual_power_flows
 from cutpoint.control.interface import Measurement, Reference
-from cutpoint.control.vdc import VDC
+from cutpoint.control.laws.vdc import VDC
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.control.interface import Measurement, Reference
-from cutpoint.control.joint_law import JointCommand, JointGains, joint_command
-from cutpoint.control.vdc import VDC
+from cutpoint.control.laws.joint_law import JointCommand, JointGains, joint_command
+from cutpoint.control.laws.vdc import VDC
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.harmonic_drive import DriveState, deflection, friction_torque

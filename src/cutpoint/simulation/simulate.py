@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import Controller, StepFunction, start_of
-from cutpoint.control.sampled_loop import check_delays
 from cutpoint.control.sensors import Sensors, encoders_of
+from cutpoint.control.stability.sampled_loop import check_delays
 from cutpoint.door import check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.model.limits import efforts_in_force

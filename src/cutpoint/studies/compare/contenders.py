@@ -20,8 +20,8 @@ from cutpoint.control import (
     SlotineLi,
     SuperTwisting,
 )
-from cutpoint.control.design import Design
-from cutpoint.control.recipes import RECIPES
+from cutpoint.control.tuning.design import Design
+from cutpoint.control.tuning.recipes import RECIPES
 from cutpoint.robot import Robot
 
 OURS = ("vdc", "vdc_filter", "adaptive", "natural")

@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.control.design import design_of
-from cutpoint.control.holding import check_holds
-from cutpoint.control.sampled_loop import SmallSignal, small_signal
+from cutpoint.control.stability.sampled_loop import SmallSignal, small_signal
+from cutpoint.control.tuning.design import design_of
+from cutpoint.control.tuning.holding import check_holds
 from cutpoint.errors import InputError
 from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.bench import Bench

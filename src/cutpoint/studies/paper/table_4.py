@@ -3,7 +3,7 @@
 import numpy as np
 
 from cutpoint.control import Feedforward
-from cutpoint.control.feedforward import RUNGS
+from cutpoint.control.laws.feedforward import RUNGS
 from cutpoint.reporting.page import Page, Picture, Table, listed, number, row
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array

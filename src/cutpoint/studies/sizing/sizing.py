@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cutpoint.control.model_law import check_all_driven
+from cutpoint.control.laws.model_law import check_all_driven
 from cutpoint.door import check_configuration, check_kind, number, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing

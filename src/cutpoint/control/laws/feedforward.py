@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, states_by_drive
+from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics import strains

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.control.sampled_loop import sampled_loop
 from cutpoint.control.sensors import Sensors
+from cutpoint.control.stability.sampled_loop import sampled_loop
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.feedforward import Feedforward
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, states_by_drive
+from cutpoint.control.laws.feedforward import Feedforward
+from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
 from cutpoint.errors import InputError
 from cutpoint.mechanics.harmonic_drive import DriveState, spring_torque_and_rate
 from cutpoint.model.drive import Drive

@@ -7,12 +7,12 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control import adaptation, command_filter
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
-from cutpoint.control.joint_parameters import JointPower, adapted, nominal, with_numbers
-from cutpoint.control.model_law import states_by_drive
-from cutpoint.control.vdc import VDC, required_velocity
+from cutpoint.control.laws import adaptation, command_filter
+from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
+from cutpoint.control.laws.joint_parameters import JointPower, adapted, nominal, with_numbers
+from cutpoint.control.laws.model_law import states_by_drive
+from cutpoint.control.laws.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, efforts_between, quasi_rigid, required_motions

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.design import design_of
-from cutpoint.control.sampled_loop import SampledPole, slowest_pole
 from cutpoint.control.sensors import Sensors
+from cutpoint.control.stability.sampled_loop import SampledPole, slowest_pole
+from cutpoint.control.tuning.design import design_of
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.adaptation import power_matrix
+from cutpoint.control.laws.adaptation import power_matrix
 from cutpoint.mechanics.compliance import LinearSpring
 from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.mechanics.pseudo_inertia import nominal_sizes, pseudo_inertia

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
-from cutpoint.control.law_at_rest import LawAtRest, between, differences
-from cutpoint.control.model_law import ModelLaw, check_all_driven
+from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
 from cutpoint.control.sensors import Encoders, Sensors, encoders_of
+from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot, check_robot

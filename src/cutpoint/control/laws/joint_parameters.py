@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
-from cutpoint.control.adaptation import projected
+from cutpoint.control.laws.adaptation import projected
 from cutpoint.mechanics.compliance import LinearSpring
 from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.mechanics.presliding import Presliding, sliding_of

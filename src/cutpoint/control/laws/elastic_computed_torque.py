@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw, check_no_full_coupling
+from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic import Driven, elastic_inverse_dynamics
 from cutpoint.mechanics.harmonic_drive import friction_torque

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.model_law import ModelLaw
-from cutpoint.control.side import Side, SidedLaw
+from cutpoint.control.laws.model_law import ModelLaw
+from cutpoint.control.laws.side import Side, SidedLaw
 from cutpoint.definitions import gravity_forces
 
 

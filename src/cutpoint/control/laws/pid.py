@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.side import Side, SidedLaw
+from cutpoint.control.laws.side import Side, SidedLaw
 from cutpoint.scalars import clip, where
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control import command_filter
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law
+from cutpoint.control.laws import command_filter
 from cutpoint.door import positive
 from cutpoint.kernels import Traced
 

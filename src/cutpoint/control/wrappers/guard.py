@@ -8,10 +8,10 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from cutpoint.control.guard_limits import LIMITS, limits_of
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference, completed
 from cutpoint.control.law import Wrapper, as_law, check_drives
 from cutpoint.control.own_law import own_parts
+from cutpoint.control.wrappers.guard_limits import LIMITS, limits_of
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import unknown_name
 from cutpoint.kernels import Traced

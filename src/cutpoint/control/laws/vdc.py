@@ -10,11 +10,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cutpoint.control import command_filter
 from cutpoint.control.gains import gain_matrices
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
-from cutpoint.control.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
-from cutpoint.control.model_law import ModelLaw, check_no_full_coupling, states_by_drive
+from cutpoint.control.laws import command_filter
+from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
+from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
 from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts

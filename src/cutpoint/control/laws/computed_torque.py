@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.control.laws.rigid_law import RigidLaw
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.control.design import Design, design_of
-from cutpoint.control.holding import check_holds
-from cutpoint.control.model_law import check_all_driven
-from cutpoint.control.pd import PD
-from cutpoint.control.recipes import RECIPES
+from cutpoint.control.laws.model_law import check_all_driven
+from cutpoint.control.laws.pd import PD
+from cutpoint.control.laws.super_twisting import SuperTwisting
 from cutpoint.control.sensors import Sensors
-from cutpoint.control.super_twisting import SuperTwisting
+from cutpoint.control.tuning.design import Design, design_of
+from cutpoint.control.tuning.holding import check_holds
+from cutpoint.control.tuning.recipes import RECIPES
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot, check_robot

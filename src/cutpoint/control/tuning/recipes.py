@@ -6,19 +6,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.adaptive_vdc import AdaptiveVDC
-from cutpoint.control.computed_torque import ComputedTorque
-from cutpoint.control.design import Design
-from cutpoint.control.elastic_computed_torque import ElasticComputedTorque
-from cutpoint.control.full_state_feedback import FullStateFeedback
 from cutpoint.control.gains import motor_limits
-from cutpoint.control.learning_rates import STROKE, SWING, body_rate, joint_rate
-from cutpoint.control.pd import PD
-from cutpoint.control.pid import PID
-from cutpoint.control.robust import Robust
-from cutpoint.control.slotine_li import SlotineLi
-from cutpoint.control.super_twisting import SuperTwisting
-from cutpoint.control.vdc import VDC
+from cutpoint.control.laws.adaptive_vdc import AdaptiveVDC
+from cutpoint.control.laws.computed_torque import ComputedTorque
+from cutpoint.control.laws.elastic_computed_torque import ElasticComputedTorque
+from cutpoint.control.laws.full_state_feedback import FullStateFeedback
+from cutpoint.control.laws.pd import PD
+from cutpoint.control.laws.pid import PID
+from cutpoint.control.laws.robust import Robust
+from cutpoint.control.laws.slotine_li import SlotineLi
+from cutpoint.control.laws.super_twisting import SuperTwisting
+from cutpoint.control.laws.vdc import VDC
+from cutpoint.control.tuning.design import Design
+from cutpoint.control.tuning.learning_rates import STROKE, SWING, body_rate, joint_rate
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import limits_in_force
 

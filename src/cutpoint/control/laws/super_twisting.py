@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.control.laws.rigid_law import RigidLaw
 from cutpoint.scalars import absolute, sqrt, where
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper, as_law, check_drives, needs_of
-from cutpoint.control.rigid_law import RigidLaw
+from cutpoint.control.laws.rigid_law import RigidLaw
 from cutpoint.mechanics.forward_dynamics import forward_dynamics
 from cutpoint.scalars import clip, where
 

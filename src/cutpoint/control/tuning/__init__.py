@@ -1,0 +1,1 @@
+"""Gains for a robot from what is asked of the closed loop."""

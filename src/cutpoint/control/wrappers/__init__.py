@@ -1,0 +1,1 @@
+"""Around any law: guards, observers and filters."""
