@@ -12,8 +12,8 @@ from cases import ROBOTS, Case, case
 from tasks import agreed
 
 import cutpoint
+from cutpoint.mechanics.bodies.rigid_body import inertia_of
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
-from cutpoint.mechanics.rigid_body import inertia_of
 from cutpoint.mechanics.system import System
 from cutpoint.studies.cost.timing import in_turns
 

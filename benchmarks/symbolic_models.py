@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from cutpoint.mechanics.spatial import Mat3
+from cutpoint.mechanics.bodies.spatial import Mat3
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from cutpoint.errors import CutpointError, InputError, ModelError, SimulationError, TraceError
 from cutpoint.kernels import Kernel, compile
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Grease, Stribeck
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where

@@ -12,12 +12,12 @@ from cutpoint.mechanics import drive_regressor as drives
 from cutpoint.mechanics import elastic, elastic_forward, energy, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
+from cutpoint.mechanics.bodies.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.drive_regressor import DriveRegressor
+from cutpoint.mechanics.drives.harmonic_drive import friction_torque, spring_torque, static_lead
+from cutpoint.mechanics.drives.strains import Strains, drive_by_drive
 from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.harmonic_drive import friction_torque, spring_torque, static_lead
-from cutpoint.mechanics.spatial import Pose, Vec3, Wrench
-from cutpoint.mechanics.strains import Strains, drive_by_drive
 from cutpoint.mechanics.system import System
 
 Scalars = list[Any]

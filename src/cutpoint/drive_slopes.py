@@ -7,10 +7,10 @@ from collections import namedtuple
 from typing import Any
 
 from cutpoint.kernels import jacobian_of
+from cutpoint.mechanics.drives.harmonic_drive import DriveState
+from cutpoint.mechanics.drives.strains import UNKNOWN
 from cutpoint.mechanics.elastic import Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
-from cutpoint.mechanics.harmonic_drive import DriveState
-from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.model import Drive
 from cutpoint.scalars import Jet
 

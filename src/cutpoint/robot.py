@@ -14,13 +14,13 @@ from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.functions.compiled import RobotKernels
 from cutpoint.functions.plain import PLAIN, Functions
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics import strains as strains_of
+from cutpoint.mechanics.bodies.rigid_body import parameters_of
+from cutpoint.mechanics.bodies.spatial import ZERO, Pose
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
+from cutpoint.mechanics.drives import strains as strains_of
+from cutpoint.mechanics.drives.harmonic_drive import DriveState
 from cutpoint.mechanics.elastic import derivatives_needed
-from cutpoint.mechanics.harmonic_drive import DriveState
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.mechanics.rigid_body import parameters_of
-from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.limits import limits_in_force

@@ -4,11 +4,11 @@ import numpy as np
 
 from agreements.registry import Array, equations, inertia, mat3, matrix, motion, pose, six, wrench
 from cutpoint.definitions import matrix_of
-from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics.bodies.articulated import Articulated
+from cutpoint.mechanics.bodies.joints import Revolute
+from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, Motion, Vec3
 from cutpoint.mechanics.inverse_dynamics import pull
-from cutpoint.mechanics.joints import Revolute
-from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
-from cutpoint.mechanics.spatial import AT_ORIGIN, Motion, Vec3
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.mechanism import WORLD
 from random_trees import rotation

@@ -7,8 +7,8 @@ from agreements.body import left_out
 from agreements.registry import Array, equations, six, wrench
 from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
+from cutpoint.mechanics.bodies.rigid_body import net_wrench
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
-from cutpoint.mechanics.rigid_body import net_wrench
 from transcript import arm, data, joint, manipulator
 from transcript.appendix import U, pose
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
 
 Array = NDArray[np.float64]
 Pairs = list[tuple[Any, Any]]

@@ -9,10 +9,10 @@ import cutpoint
 from cutpoint import InputError, Sensors, simulate
 from cutpoint.analysis import followed_hysteresis, torque_bound
 from cutpoint.control import PD, Feedforward
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model import Harmonic, Motor
 from robot_library import robot
 

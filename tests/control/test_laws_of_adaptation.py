@@ -10,7 +10,7 @@ from numpy_adaptive_vdc import pseudo_inertia as pseudo_inertia_of
 from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.control import AdaptiveVDC
 from cutpoint.control.laws.adaptation import factor, inertial_of_factor, natural, projected
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
+from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.parameters import law_parameters
 from robot_library import Array, assert_close, derivative, robot, tree

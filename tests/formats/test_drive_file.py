@@ -25,14 +25,14 @@ from cutpoint.formats import (
     save_drives,
 )
 from cutpoint.loading import load
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Grease, Stribeck
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
 

@@ -22,7 +22,7 @@ from cutpoint.identification.drives import (
 )
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.identification.drives.two_encoders import AS_STATED
-from cutpoint.mechanics.wave_generator import HarmonicSpring
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance
 
 T = PERIOD * np.arange(8000)

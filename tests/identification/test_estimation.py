@@ -22,7 +22,7 @@ from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 

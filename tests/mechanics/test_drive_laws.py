@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import cutpoint
 from cutpoint import Backlash, Drive, Flexspline, InputError, Limits, LinearSpring, ModelError, Robot, Rotor
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.kinematic_error import Harmonic, KinematicError
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.kinematic_error import Harmonic, KinematicError
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.scalars import Jet
 from robot_library import robot
 

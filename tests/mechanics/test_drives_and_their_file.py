@@ -28,9 +28,9 @@ from cutpoint import (
     Stribeck,
 )
 from cutpoint.formats import dump_drives, parse_drives
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.friction import Grease
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.friction import Grease
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.scalars import leaves, rebuild, structure_of, with_float_leaves
 from robot_library import tree
 

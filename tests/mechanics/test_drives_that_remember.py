@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from cutpoint import Coulomb, InputError, LinearSpring, Stribeck
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.friction import Grease
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.friction import Grease
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 
 SIZE_20 = CatalogueSpring(16e3, 25e3, 29e3, 7.0, 25.0)
 SLIP = MaxwellSlip.smooth(2.3, 3e-4, 4)

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from cutpoint.mechanics.joints import Floating, Helical, Planar, Prismatic, Revolute, Spherical
+from cutpoint.mechanics.bodies.joints import Floating, Helical, Planar, Prismatic, Revolute, Spherical
 from cutpoint.model import Joint, Limits, Link
 from cutpoint.model.build import build
 from random_trees import EVERY_KIND, placement, tree_of_every_kind

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cutpoint import Robot
-from cutpoint.mechanics.compliance import LinearSpring
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.drives.compliance import LinearSpring
+from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.model import Drive, Joint, Link
 from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor

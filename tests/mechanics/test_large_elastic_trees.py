@@ -12,9 +12,9 @@ from cutpoint import Robot
 from cutpoint.errors import InputError
 from cutpoint.kernels.programs.compiled import program_ir
 from cutpoint.kernels.programs.plan import plan
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.friction import Coulomb, Stribeck
-from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive import Harmonic, Rotor
 from cutpoint.robot import ElasticAccelerations, ElasticTorques

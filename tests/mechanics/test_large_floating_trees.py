@@ -11,7 +11,7 @@ from cutpoint import Robot
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.programs.compiled import program_ir
 from cutpoint.kernels.programs.plan import plan
-from cutpoint.mechanics.compliance import LinearSpring
+from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.model import Drive
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction

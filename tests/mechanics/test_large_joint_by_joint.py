@@ -7,8 +7,8 @@ import pytest
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, definitions
 from cutpoint.errors import InputError
-from cutpoint.mechanics.compliance import Flexspline
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.drives.compliance import Flexspline
+from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.model import Mechanism
 from large_robots import based, chain
 

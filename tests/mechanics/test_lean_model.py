@@ -10,10 +10,9 @@ import pytest
 from cutpoint import Drive, LinearSpring, Robot, Rotor, definitions
 from cutpoint.functions.compiled import Machine, machine_of
 from cutpoint.kernels import graph_of
-from cutpoint.mechanics import placements
-from cutpoint.mechanics.assembly import lean_framing
+from cutpoint.mechanics.assembly.assembly import lean_framing, placements
+from cutpoint.mechanics.assembly.regrouping import UNMOVED
 from cutpoint.mechanics.elastic import Options
-from cutpoint.mechanics.regrouping import UNMOVED
 from cutpoint.model import Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import WORLD

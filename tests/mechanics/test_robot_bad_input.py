@@ -26,9 +26,9 @@ from cutpoint import (
     Rotor,
     Stribeck,
 )
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.friction import Grease
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.friction import Grease
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from robot_library import BACKENDS, robot
 
 Q = np.zeros(6)

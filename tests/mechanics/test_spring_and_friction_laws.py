@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from cutpoint import Coulomb, Flexspline, LinearSpring, Stribeck
-from cutpoint.mechanics.compliance import POLE_GUARD
+from cutpoint.mechanics.drives.compliance import POLE_GUARD
 from robot_library import assert_close, derivative
 
 SPRINGS = [LinearSpring(8e3), Flexspline(16e3, 0.0464), Flexspline(4.7e3, 0.119), Flexspline(100.0, 1e-6)]

@@ -49,11 +49,11 @@ from cutpoint.mechanics import (
     strains,
     torque_derivatives,
 )
-from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
-from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import Pose
+from cutpoint.mechanics.bodies.rotors import Spin
+from cutpoint.mechanics.bodies.spatial import Pose
+from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
 from cutpoint.rolled import derivatives as looped_derivatives

@@ -10,11 +10,11 @@ import pytest
 import cutpoint
 from cutpoint import Coulomb, Drive, InputError, LinearSpring, Robot, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law, tune
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.model import Harmonic, Motor
 from cutpoint.simulation import adaptive
 from cutpoint.trajectories import cycloid

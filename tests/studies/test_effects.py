@@ -14,7 +14,7 @@ from matplotlib import pyplot
 
 from cutpoint import LinearSpring
 from cutpoint.control import Feedforward
-from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.reporting.style import png, styled
 from cutpoint.studies.drive_effects import (
     COLD,

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint import Backlash, Coulomb, Drive, Harmonic, InputError, Limits, Motor, Ratings, Robot
 from cutpoint.commands import app
-from cutpoint.mechanics.motor import shaft_torque, within_limits
+from cutpoint.mechanics.drives.motor import shaft_torque, within_limits
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import UNLIMITED, Joint, JointKind, Link
 from cutpoint.robots import XIA2019_DRIVES

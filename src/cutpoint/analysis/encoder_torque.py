@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.control.sensors import Sensors, one_each
 from cutpoint.door import check_kind, checked_array
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import deflection
+from cutpoint.mechanics.drives.harmonic_drive import deflection
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot, check_robot
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.functions.rotor_coupling import rotor_coupling
-from cutpoint.mechanics.harmonic_drive import deflection, transmission
+from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.laws.joint_law import JointCommand, JointGains, joint_command
 from cutpoint.control.laws.vdc import VDC
 from cutpoint.definitions import Machine
+from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
+from cutpoint.mechanics.bodies.spatial import NO_WRENCH, Wrench
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.harmonic_drive import DriveState, deflection, friction_torque
 from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches, pull, required_motions
-from cutpoint.mechanics.rigid_body import kinetic_energy
-from cutpoint.mechanics.spatial import NO_WRENCH, Wrench
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

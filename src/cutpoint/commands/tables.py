@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.table import Table
 
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import ElasticTorques, Robot

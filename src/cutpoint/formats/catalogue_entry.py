@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.formats.catalogue_friction import RPM, InputFriction, times
 from cutpoint.formats.catalogue_sheets import CatalogueGear
-from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 
 ARC_MINUTE = np.pi / 180 / 60
 """rad"""

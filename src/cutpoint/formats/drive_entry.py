@@ -10,12 +10,12 @@ from cutpoint.formats.friction_entry import to_friction
 from cutpoint.formats.motor_sheets import MotorSheet, RotorSheet
 from cutpoint.formats.sheet import WaveSheet
 from cutpoint.formats.spring_sheets import ComplianceSheet, HysteresisSheet
-from cutpoint.mechanics.backlash import Backlash
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.wave_generator import HarmonicSpring, WaveGenerator
+from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Ratings, Rotor
 from cutpoint.model.drive_validation import complaints
 from cutpoint.model.mechanism import Limits

@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.formats.drive_words import is_smooth
 from cutpoint.formats.drives import dump_drives
 from cutpoint.formats.safe_yaml import YamlPath, parse_yaml
-from cutpoint.mechanics.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.model.drive import Drive
 
 ELEMENTS = 4

@@ -8,12 +8,12 @@ import numpy as np
 from cutpoint.errors import InputError
 from cutpoint.formats.friction_entry import friction_entry
 from cutpoint.formats.spring_sheets import MOST_ELEMENTS
-from cutpoint.mechanics.backlash import Backlash, spring_of
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.hysteresis import MaxwellSlip, loss_of
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.wave_generator import HarmonicSpring
+from cutpoint.mechanics.drives.backlash import Backlash, spring_of
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip, loss_of
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance, Drive, Harmonic, Motor, Rotor
 from cutpoint.model.mechanism import Limits
 from cutpoint.scalars import is_of_cutpoint

@@ -6,8 +6,8 @@ from cutpoint.errors import InputError
 from cutpoint.formats.drive_section import Section
 from cutpoint.formats.drive_sheet import DriveSheet
 from cutpoint.formats.friction_sheets import FrictionLawSheet, MotorFrictionSheet
-from cutpoint.mechanics.friction import Coulomb, Grease, Stribeck
-from cutpoint.mechanics.presliding import ElastoPlastic, LuGre
+from cutpoint.mechanics.drives.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.model.drive import Friction
 
 

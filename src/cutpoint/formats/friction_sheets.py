@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from cutpoint.formats.sheet import Sheet, quantity
-from cutpoint.mechanics.friction import SMOOTHING
+from cutpoint.mechanics.drives.friction import SMOOTHING
 
 
 class PreslidingSheet(Sheet):

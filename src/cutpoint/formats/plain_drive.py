@@ -1,6 +1,6 @@
 """What drives a joint that no drive file mentions."""
 
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Joint
 

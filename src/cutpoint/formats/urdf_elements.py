@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.errors import ModelError
 from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
-from cutpoint.mechanics.rotations import rotation_of
+from cutpoint.mechanics.bodies.rotations import rotation_of
 from cutpoint.model.mechanism import Array
 from cutpoint.model.pose import pose, roll_pitch_yaw
 from cutpoint.model.validation import DEGREES_BEYOND

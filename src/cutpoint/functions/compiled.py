@@ -20,10 +20,10 @@ from cutpoint.functions.plain import Functions
 from cutpoint.functions.robot_function import RobotFunction
 from cutpoint.functions.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics import strains
-from cutpoint.mechanics.assembly import lean_framing, system_of
+from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
+from cutpoint.mechanics.assembly.reframing import Framing
+from cutpoint.mechanics.drives import strains
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.reframing import Framing
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
 from cutpoint.rolled import (

@@ -9,7 +9,7 @@ from cutpoint.definitions import Machine
 from cutpoint.errors import ModelError, listed
 from cutpoint.functions.configurations import at_random
 from cutpoint.functions.rotor_coupling import rotor_coupling, without_rotors
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.backends import chosen
-from cutpoint.mechanics.joints import Floating, Spherical
+from cutpoint.mechanics.bodies.joints import Floating, Spherical
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 

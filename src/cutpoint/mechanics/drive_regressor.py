@@ -8,9 +8,9 @@ motor's.  A hardening spring law is linear in one coefficient, its scale, when t
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, transmission
+from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.harmonic_drive import DriveState, deflection, transmission
-from cutpoint.mechanics.presliding import sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

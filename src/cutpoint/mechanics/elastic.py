@@ -9,7 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.harmonic_drive import (
+from cutpoint.mechanics.bodies.rotors import Spin
+from cutpoint.mechanics.bodies.spatial import Wrench
+from cutpoint.mechanics.drives.harmonic_drive import (
     beside_damping,
     deflection,
     friction_torque,
@@ -17,10 +19,8 @@ from cutpoint.mechanics.harmonic_drive import (
     motor_position,
     slipping_torque,
 )
+from cutpoint.mechanics.drives.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, rotor_efforts
-from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import Wrench
-from cutpoint.mechanics.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD

@@ -7,6 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics.drives.harmonic_drive import (
+    DriveState,
+    friction_torque,
+    load_on_motor,
+    rigidly_transmitted,
+    transmitted_torque,
+)
+from cutpoint.mechanics.drives.strains import UNKNOWN, Strains
 from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.forward_dynamics import (
     FreeRotor,
@@ -14,14 +22,6 @@ from cutpoint.mechanics.forward_dynamics import (
     is_shallow,
     through_mass_matrix,
 )
-from cutpoint.mechanics.harmonic_drive import (
-    DriveState,
-    friction_torque,
-    load_on_motor,
-    rigidly_transmitted,
-    transmitted_torque,
-)
-from cutpoint.mechanics.strains import UNKNOWN, Strains
 from cutpoint.mechanics.system import System
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar

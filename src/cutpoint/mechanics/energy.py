@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from cutpoint.mechanics import rigid_body
+from cutpoint.mechanics.bodies import rigid_body
+from cutpoint.mechanics.bodies.spatial import NO_WRENCH, ZERO, Wrench
 from cutpoint.mechanics.kinematics import body_velocities, world_poses
-from cutpoint.mechanics.spatial import NO_WRENCH, ZERO, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 

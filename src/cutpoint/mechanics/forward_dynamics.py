@@ -8,7 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
+from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
+from cutpoint.mechanics.bodies.rotors import Spin
+from cutpoint.mechanics.bodies.spatial import STILL, Motion, Vec3, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.mechanics.inverse_dynamics import (
     handed_on,
@@ -18,8 +20,6 @@ from cutpoint.mechanics.inverse_dynamics import (
     rotor_efforts,
 )
 from cutpoint.mechanics.mass_matrix import mass_matrix
-from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import STILL, Motion, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero

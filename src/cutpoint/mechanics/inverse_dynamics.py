@@ -7,8 +7,8 @@ The required motion of virtual decomposition control takes the same sweeps: it c
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cutpoint.mechanics.rigid_body import acceleration_gradient, gradient_beside, net_wrench
-from cutpoint.mechanics.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, gradient_beside, net_wrench
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero

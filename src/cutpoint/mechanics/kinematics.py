@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Literal
 
-from cutpoint.mechanics.spatial import AT_ORIGIN, STILL, Motion, Pose
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, STILL, Motion, Pose
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar

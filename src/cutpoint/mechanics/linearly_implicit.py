@@ -7,9 +7,9 @@ inertia, and is computed once, at the start of the step; see `simulation.step`. 
 
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_resistance, transmission, transmitted_torque
+from cutpoint.mechanics.drives.strains import Strains
 from cutpoint.mechanics.elastic_forward import DriveEffort
-from cutpoint.mechanics.harmonic_drive import DriveState, friction_resistance, transmission, transmitted_torque
-from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

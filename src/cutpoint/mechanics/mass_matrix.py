@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from cutpoint.mechanics.bodies.spatial import Inertia, Pose
 from cutpoint.mechanics.kinematics import joint_poses, velocity_columns
-from cutpoint.mechanics.spatial import Inertia, Pose
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from cutpoint.mechanics.bodies.joints import Floating
+from cutpoint.mechanics.bodies.spatial import Motion
 from cutpoint.mechanics.inverse_dynamics import bear, motions, net_wrenches
-from cutpoint.mechanics.joints import Floating
-from cutpoint.mechanics.spatial import Motion
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from cutpoint.mechanics.joints import JointKind
-from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
+from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.rotors import Spin
+from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from math import comb
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, bear, motions, net_wrenches
-from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage
-from cutpoint.mechanics.articulated import NO_ROTOR, Articulated, accelerations
+from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, accelerations
+from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.rigid_body import inertia_of, net_wrench, parameters_of
+from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.mechanics.elastic import coordinate_jets
 from cutpoint.mechanics.inverse_dynamics import motions
-from cutpoint.mechanics.joints import JointKind
-from cutpoint.mechanics.rigid_body import inertia_of, net_wrench, parameters_of
-from cutpoint.mechanics.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns

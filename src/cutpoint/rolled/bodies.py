@@ -10,11 +10,11 @@ from itertools import accumulate
 
 import numpy as np
 
+from cutpoint.mechanics.bodies.joints import Helical, Prismatic
+from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.bodies.rotors import Spin
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose
 from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.joints import Helical, Prismatic
-from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
-from cutpoint.mechanics.rotors import Spin
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose
 from cutpoint.mechanics.system import Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of

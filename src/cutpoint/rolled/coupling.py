@@ -4,7 +4,7 @@ from typing import Any
 
 from cutpoint.kernels import Stage
 from cutpoint.mechanics import forward_dynamics
-from cutpoint.mechanics.spatial import Vec3
+from cutpoint.mechanics.bodies.spatial import Vec3
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
 from cutpoint.rolled.packing import motion_of, packed_resistance, pose_by_columns, resistance_of, wrench_of

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 from cutpoint.drive_slopes import MOTION, motor_slopes
 from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia, Motion, Vec3, Wrench
 from cutpoint.mechanics.elastic import DEFAULT, Options
-from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
-from cutpoint.mechanics.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia, Motion, Vec3, Wrench
 from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_motion
 from cutpoint.model import Drive
 from cutpoint.rolled.base import Base, base_in, sizes_apart

@@ -7,10 +7,10 @@ from typing import Any
 
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE, effort_slopes
 from cutpoint.kernels import Stage
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, static_lead
+from cutpoint.mechanics.drives.strains import UNKNOWN
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
-from cutpoint.mechanics.harmonic_drive import DriveState, static_lead
-from cutpoint.mechanics.strains import UNKNOWN
 from cutpoint.rolled import coupling
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns

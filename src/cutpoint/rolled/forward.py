@@ -3,11 +3,11 @@
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.articulated import Articulated, Yield
+from cutpoint.mechanics.bodies.articulated import Articulated, Yield
+from cutpoint.mechanics.bodies.joints import dot
+from cutpoint.mechanics.bodies.rigid_body import net_wrench_in_crosses
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.mechanics.forward_dynamics import coasting
-from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.rigid_body import net_wrench_in_crosses
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (

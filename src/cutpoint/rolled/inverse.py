@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wrench
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, ZERO, Motion, Vec3
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
-from cutpoint.mechanics.rigid_body import acceleration_gradient, net_wrench
-from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Motion, Vec3
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import motion_of, pose_of, wrench_of

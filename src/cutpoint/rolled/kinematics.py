@@ -4,8 +4,8 @@ from typing import Any
 
 from cutpoint.definitions import matrix_of
 from cutpoint.kernels import Stage, View
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion, Pose
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, pose_of

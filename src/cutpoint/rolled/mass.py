@@ -7,8 +7,8 @@ of each tree is there, however far from the world's origin it is mounted, and so
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.rigid_body import inertia_of, parameters_of
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Vec3, Wrench
+from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Vec3, Wrench
 from cutpoint.rolled.base import base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE, world_poses

@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from cutpoint.mechanics.spatial import AT_ORIGIN
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN
 from cutpoint.mechanics.system import Place, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE, Columns, base_row, parents_of, place_of

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion
 from cutpoint.rolled.base import Base
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import ABOVE

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.articulated import Articulated
-from cutpoint.mechanics.spatial import Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.articulated import Articulated
+from cutpoint.mechanics.bodies.spatial import Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage
-from cutpoint.mechanics.rigid_body import body_regressor
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
+from cutpoint.mechanics.bodies.rigid_body import body_regressor
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinematics import world_poses

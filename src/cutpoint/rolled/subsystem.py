@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cutpoint.mechanics.joints import JointKind
-from cutpoint.mechanics.rotors import Spin, axis_of
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.rotors import Spin, axis_of
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.turning import about_z
 from cutpoint.mechanics.system import Segment
-from cutpoint.mechanics.turning import about_z
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]

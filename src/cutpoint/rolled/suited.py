@@ -5,7 +5,7 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import backends
 from cutpoint.kernels.graphs import nodes
 from cutpoint.kernels.graphs.ports import Port
-from cutpoint.mechanics.joints import Helical, Prismatic, Revolute
+from cutpoint.mechanics.bodies.joints import Helical, Prismatic, Revolute
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import base_of, bodies_of

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics import rigid_body
-from cutpoint.mechanics.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies import rigid_body
+from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.kinematics import ABOVE

@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
-from cutpoint.mechanics import strains
+from cutpoint.mechanics.drives import strains
+from cutpoint.mechanics.drives.harmonic_drive import transmission
+from cutpoint.mechanics.drives.strains import Strains
 from cutpoint.mechanics.elastic_forward import drive_effort, driven_accelerations
-from cutpoint.mechanics.harmonic_drive import transmission
-from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
 from cutpoint.simulation.loop import BEYOND, ClosedLoop
 from cutpoint.simulation.plant import Own, all_rates, arrived, motor_torque, own_parts, split

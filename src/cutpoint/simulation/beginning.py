@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
-from cutpoint.mechanics.strains import count, gathered
+from cutpoint.mechanics.drives.strains import count, gathered
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, sizes
 

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 
 from cutpoint.errors import unknown_name
-from cutpoint.mechanics.joints import Floating
+from cutpoint.mechanics.bodies.joints import Floating
 from cutpoint.mechanics.system import Segment
 from cutpoint.robot import Robot
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.functions.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
-from cutpoint.mechanics.harmonic_drive import friction_resistance
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import Presliding, sliding_of
+from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot

@@ -17,7 +17,7 @@ from cutpoint.control.interface import numbers_after, stepped
 from cutpoint.control.sensors import Encoders
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
-from cutpoint.mechanics.motor import within_limits
+from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, rebuild, where
 from cutpoint.simulation.channels import absent_from, recordable, recorded_for

@@ -6,13 +6,13 @@ The drives' internal strains follow displacements instead: see `mechanics.strain
 from typing import Any, NamedTuple
 
 from cutpoint.definitions import Machine
-from cutpoint.mechanics import strains as memory
+from cutpoint.mechanics.drives import strains as memory
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, rigidly_transmitted
+from cutpoint.mechanics.drives.motor import lag_rate, shaft_torque
+from cutpoint.mechanics.drives.presliding import sliding_of
+from cutpoint.mechanics.drives.strains import Strains
 from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort
-from cutpoint.mechanics.harmonic_drive import DriveState, rigidly_transmitted
 from cutpoint.mechanics.kinematics import coordinate_rates, of_unit_length
-from cutpoint.mechanics.motor import lag_rate, shaft_torque
-from cutpoint.mechanics.presliding import sliding_of
-from cutpoint.mechanics.strains import Strains
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar, clip, structure_of
 

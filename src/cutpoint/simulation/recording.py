@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.harmonic_drive import slipping_torque
-from cutpoint.mechanics.strains import count, dealt, taken
+from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
+from cutpoint.mechanics.drives.strains import count, dealt, taken
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
 from cutpoint.simulation.log import Log, Run

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.model.drive import Drive
 
 RATTLE = 6.0

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.definitions import Machine
-from cutpoint.mechanics import strains
+from cutpoint.mechanics.bodies.joints import Revolute
+from cutpoint.mechanics.drives import strains
+from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.mechanics.elastic_forward import DriveEffort, drive_effort, driven_accelerations
-from cutpoint.mechanics.harmonic_drive import friction_torque
-from cutpoint.mechanics.joints import Revolute
 from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resisted
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot

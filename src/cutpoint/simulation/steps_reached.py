@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.callers import warn
-from cutpoint.mechanics.backlash import spring_of
-from cutpoint.mechanics.harmonic_drive import deflection
-from cutpoint.mechanics.joints import Floating, Spherical
+from cutpoint.mechanics.bodies.joints import Floating, Spherical
+from cutpoint.mechanics.drives.backlash import spring_of
+from cutpoint.mechanics.drives.harmonic_drive import deflection
 from cutpoint.robot import Robot
 from cutpoint.simulation.channels import BASE_SPEEDS, base_of
 from cutpoint.simulation.fastest import Limit, fastest_mode, fastest_wave, posture

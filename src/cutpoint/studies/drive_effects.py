@@ -4,11 +4,11 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from cutpoint.formats.catalogue import catalogue_drive
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.friction import STATED_AT, Coulomb, Grease
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.friction import STATED_AT, Coulomb, Grease
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model.drive import Drive, Harmonic, Motor
 from cutpoint.robot import Robot
 

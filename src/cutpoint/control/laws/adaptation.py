@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.mechanics.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
+from cutpoint.mechanics.bodies.pseudo_inertia import parameters_of_pseudo_inertia, pseudo_inertia
 from cutpoint.scalars import Scalar, absolute, clip, maximum, sqrt, where
 
 Matrix = list[list[Scalar]]

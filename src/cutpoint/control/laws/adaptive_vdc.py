@@ -15,10 +15,10 @@ from cutpoint.control.laws.model_law import states_by_drive
 from cutpoint.control.laws.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
+from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
+from cutpoint.mechanics.bodies.rigid_body import body_regressor, inertia_of, parameters_of
+from cutpoint.mechanics.bodies.spatial import ZERO, Pose
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, efforts_between, quasi_rigid, required_motions
-from cutpoint.mechanics.pseudo_inertia import nominal_sizes
-from cutpoint.mechanics.rigid_body import body_regressor, inertia_of, parameters_of
-from cutpoint.mechanics.spatial import ZERO, Pose
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar

@@ -9,11 +9,11 @@ from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics import strains
+from cutpoint.mechanics.drives import strains
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_of_both_sides
+from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
-from cutpoint.mechanics.harmonic_drive import DriveState, friction_of_both_sides
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
-from cutpoint.mechanics.motor import torque_for
 
 Rung = Literal["gravity", "rigid", "rotor", "friction", "elastic"]
 RUNGS: tuple[Rung, ...] = ("gravity", "rigid", "rotor", "friction", "elastic")

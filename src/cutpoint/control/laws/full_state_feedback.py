@@ -9,7 +9,7 @@ from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.laws.feedforward import Feedforward
 from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import DriveState, spring_torque_and_rate
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, spring_torque_and_rate
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

@@ -6,7 +6,7 @@ rigid/flexible joint robot manipulators based on virtual decomposition.  All at 
 
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.harmonic_drive import (
+from cutpoint.mechanics.drives.harmonic_drive import (
     DriveState,
     beside_damping,
     deflection,

@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 from cutpoint.control.laws.adaptation import projected
-from cutpoint.mechanics.compliance import LinearSpring
-from cutpoint.mechanics.harmonic_drive import DriveState
-from cutpoint.mechanics.presliding import Presliding, sliding_of
+from cutpoint.mechanics.drives.compliance import LinearSpring
+from cutpoint.mechanics.drives.harmonic_drive import DriveState
+from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

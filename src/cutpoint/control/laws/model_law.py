@@ -7,7 +7,7 @@ from cutpoint.control.gains import motor_limits
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.harmonic_drive import DriveState
+from cutpoint.mechanics.drives.harmonic_drive import DriveState
 from cutpoint.robot import Robot, check_robot
 
 

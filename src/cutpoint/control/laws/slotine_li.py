@@ -8,9 +8,9 @@ import numpy as np
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.laws.adaptation import unless_saturated
 from cutpoint.control.laws.rigid_law import RigidLaw
-from cutpoint.mechanics.pseudo_inertia import nominal_sizes
+from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
+from cutpoint.mechanics.bodies.rigid_body import parameters_of
 from cutpoint.mechanics.regressor import required_rotor_torques, required_torque_regressor
-from cutpoint.mechanics.rigid_body import parameters_of
 
 
 @dataclass(frozen=True, eq=False)

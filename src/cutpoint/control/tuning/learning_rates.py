@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.laws.adaptation import power_matrix
-from cutpoint.mechanics.compliance import LinearSpring
-from cutpoint.mechanics.presliding import sliding_of
-from cutpoint.mechanics.pseudo_inertia import nominal_sizes, pseudo_inertia
+from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes, pseudo_inertia
+from cutpoint.mechanics.drives.compliance import LinearSpring
+from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.robot import Robot

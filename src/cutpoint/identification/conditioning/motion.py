@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from cutpoint.errors import InputError, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
-from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.presliding import sliding_of
+from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.hysteresis import MaxwellSlip
-from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Harmonic
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
-from cutpoint.mechanics.friction import Coulomb
-from cutpoint.mechanics.presliding import sliding_of
+from cutpoint.mechanics.drives.friction import Coulomb
+from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 

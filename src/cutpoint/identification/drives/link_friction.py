@@ -10,7 +10,7 @@ from cutpoint.identification.conditioning.filtering import low_pass_together
 from cutpoint.identification.drives.rotor import RotorEstimate
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.model.drive import Drive
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
 from cutpoint.identification.drives.torque_delay import Delay
 from cutpoint.identification.drives.two_encoders import two_encoders
-from cutpoint.mechanics.backlash import Backlash, spring_of
+from cutpoint.mechanics.drives.backlash import Backlash, spring_of
 from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
 
 Array = NDArray[np.float64]

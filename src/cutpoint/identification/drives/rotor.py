@@ -15,7 +15,7 @@ from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
-from cutpoint.mechanics.friction import Coulomb
+from cutpoint.mechanics.drives.friction import Coulomb
 
 Array = NDArray[np.float64]
 

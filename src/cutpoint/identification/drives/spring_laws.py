@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cutpoint import kernels
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline, LinearSpring
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
 from cutpoint.scalars import Scalar
 
 Array = NDArray[np.float64]

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from cutpoint.mechanics.backlash import Backlash, spring_of
-from cutpoint.mechanics.hysteresis import MaxwellSlip, loss_of
-from cutpoint.mechanics.wave_generator import HarmonicSpring
+from cutpoint.mechanics.drives.backlash import Backlash, spring_of
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip, loss_of
+from cutpoint.mechanics.drives.wave_generator import HarmonicSpring
 from cutpoint.model.drive import Compliance, Drive, Hysteresis
 
 

@@ -15,7 +15,7 @@ from cutpoint.identification.drives.law_choice import block_errors, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw, as_stated
-from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Compliance
 
 Array = NDArray[np.float64]

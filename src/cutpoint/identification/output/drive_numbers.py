@@ -14,7 +14,7 @@ from cutpoint.identification.drives.scatter import DEGREES
 from cutpoint.identification.drives.stated_parts import law_of, loss
 from cutpoint.identification.drives.two_encoders import SpringEstimate
 from cutpoint.identification.output.numbers import Number, Path
-from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive, Harmonic
 
 NOTHING = float("nan")

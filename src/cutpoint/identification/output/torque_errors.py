@@ -13,7 +13,7 @@ from cutpoint.identification.output.block_bootstrap import Ratio, error_ratio
 from cutpoint.identification.output.plain_model import plain_model
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate, explained
 from cutpoint.identification.rigid.rigid_robot import link_torques
-from cutpoint.mechanics.harmonic_drive import friction_torque
+from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

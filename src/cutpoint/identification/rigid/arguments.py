@@ -9,8 +9,8 @@ from cutpoint.door import check_kind, checked_name, number
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.least_squares import METHODS
-from cutpoint.mechanics.friction import Sliding
-from cutpoint.mechanics.presliding import Presliding
+from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
 

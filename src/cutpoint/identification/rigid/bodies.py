@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia
+from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia
 from cutpoint.model.mechanism import Body, Mechanism
 from cutpoint.robot import Robot
 

@@ -17,7 +17,7 @@ from scipy.optimize import minimize, nnls
 
 from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
 from cutpoint.identification.rigid.regression import friction_columns
-from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
+from cutpoint.mechanics.drives.friction import Coulomb, Sliding, Stribeck
 
 Array = NDArray[np.float64]
 Means = Callable[[Array], Array]

@@ -17,7 +17,7 @@ from cutpoint.identification.rigid.least_squares import huber_weights, solved, s
 from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
 from cutpoint.identification.rigid.rigid_estimate import TorqueData
 from cutpoint.identification.rigid.rigid_robot import laws_with
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 
 Array = NDArray[np.float64]
 Laws = Mapping[str, Sliding]

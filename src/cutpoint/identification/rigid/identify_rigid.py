@@ -40,7 +40,7 @@ from cutpoint.identification.rigid.rigid_robot import (
     transmitted,
 )
 from cutpoint.identification.rigid.uncertainty import are_told
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot, check_robot
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 
 
 def shape_of(law: Sliding) -> tuple[str, ...]:

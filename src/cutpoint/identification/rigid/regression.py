@@ -16,7 +16,7 @@ from scipy.linalg import qr
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 
 Array = NDArray[np.float64]
 

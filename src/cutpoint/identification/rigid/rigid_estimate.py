@@ -32,7 +32,7 @@ from cutpoint.identification.rigid.uncertainty import (
     strained,
     untold,
 )
-from cutpoint.mechanics.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
 

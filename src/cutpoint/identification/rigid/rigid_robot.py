@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
-from cutpoint.mechanics.friction import Coulomb, Sliding
-from cutpoint.mechanics.presliding import sliding_of
+from cutpoint.mechanics.drives.friction import Coulomb, Sliding
+from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction, KinematicError, Rotor
 from cutpoint.robot import Robot
 

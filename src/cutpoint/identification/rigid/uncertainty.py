@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.least_squares import Estimate
-from cutpoint.mechanics.pseudo_inertia import nominal_sizes
+from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
 
 Array = NDArray[np.float64]
 

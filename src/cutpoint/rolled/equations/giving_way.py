@@ -4,10 +4,10 @@ from functools import reduce
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.articulated import Articulated
+from cutpoint.mechanics.bodies.articulated import Articulated
+from cutpoint.mechanics.bodies.joints import dot
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
-from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Pose, Wrench
 from cutpoint.rolled.base import Base, base_in, sizes_apart
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.forward import give_way, turned_pose

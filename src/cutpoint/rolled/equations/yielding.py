@@ -6,8 +6,8 @@ from typing import Any, Literal
 import numpy as np
 
 from cutpoint.kernels import LaneLoop, Loop, Region, Stage, View, compile_program
-from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.spatial import IDENTITY, STILL, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.joints import dot
+from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.base import base_in

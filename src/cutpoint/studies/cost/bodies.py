@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from cutpoint.mechanics.spatial import IDENTITY, Inertia, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.spatial import IDENTITY, Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 

@@ -7,7 +7,7 @@ as one piece.
 
 from dataclasses import dataclass
 
-from cutpoint.mechanics.spatial import AT_ORIGIN, ZERO, Inertia, Motion, Vec3, Wrench
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, ZERO, Inertia, Motion, Vec3, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 from cutpoint.studies.cost.bodies import Z

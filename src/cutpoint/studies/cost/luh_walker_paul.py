@@ -5,7 +5,7 @@ Control 102(2): angular velocity, angular acceleration and acceleration of the o
 equations about each centroid; force and moment inward.
 """
 
-from cutpoint.mechanics.spatial import ZERO, Vec3
+from cutpoint.mechanics.bodies.spatial import ZERO, Vec3
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 from cutpoint.studies.cost.bodies import Link, Z, links

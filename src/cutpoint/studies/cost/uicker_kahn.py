@@ -10,8 +10,8 @@ before velocities multiply it; equal ones (k, l and l, k) are formed once.
 from functools import cache
 
 from cutpoint.definitions import matrix_of
-from cutpoint.mechanics.joints import dot
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of
+from cutpoint.mechanics.bodies.joints import dot
+from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia_of
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 

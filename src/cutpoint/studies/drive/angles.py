@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.reporting.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop

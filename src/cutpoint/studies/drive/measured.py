@@ -9,7 +9,7 @@ from cutpoint.formats.catalogue import catalogue_drive, catalogue_friction, cata
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
 from cutpoint.formats.catalogue_friction import RPM, InputFriction
 from cutpoint.formats.catalogue_sheets import CatalogueGear
-from cutpoint.mechanics.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Drive
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop, cycle

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.reporting.page import Page, Picture, Table, number
 from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.studies.chain import Array

@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.formats.catalogue import catalogue_drive
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.mechanics.friction import STATED_AT, Coulomb
+from cutpoint.mechanics.drives.friction import STATED_AT, Coulomb
 from cutpoint.reporting.page import Page, Picture, listed, number
 from cutpoint.robot import Robot
 from cutpoint.studies import drive_effects as sizes

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.mechanics.catalogue import CatalogueSpring
-from cutpoint.mechanics.friction import Stribeck
-from cutpoint.mechanics.presliding import ElastoPlastic
+from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.mechanics.drives.friction import Stribeck
+from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model.drive import Drive
 from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 from cutpoint.simulation import Log

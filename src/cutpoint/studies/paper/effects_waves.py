@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.mechanics.motor import shaft_torque
+from cutpoint.mechanics.drives.motor import shaft_torque
 from cutpoint.model.drive import Drive
 from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.simulation import Log

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cutpoint.mechanics.compliance import Flexspline
-from cutpoint.mechanics.friction import Stribeck
-from cutpoint.mechanics.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.compliance import Flexspline
+from cutpoint.mechanics.drives.friction import Stribeck
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.mechanism import Mechanism
 from cutpoint.simulation import Sensors

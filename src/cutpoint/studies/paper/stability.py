@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import KD, KP, Bench
 

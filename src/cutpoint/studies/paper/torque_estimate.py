@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from cutpoint.mechanics.compliance import Flexspline
+from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.reporting.page import Page, Picture, Table, row
 from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from cutpoint.mechanics.motor import within_limits
+from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.reporting.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
 from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
 from cutpoint.studies.sizing.load import Load

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
-from cutpoint.mechanics.kinematic_error import KinematicError
-from cutpoint.mechanics.motor import torque_for
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
 from cutpoint.trajectories import Trajectory

@@ -13,7 +13,7 @@ from cutpoint.control.laws.model_law import check_all_driven
 from cutpoint.door import check_configuration, check_kind, number, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
-from cutpoint.mechanics.backlash import spring_of
+from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.robot import Robot
 from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing

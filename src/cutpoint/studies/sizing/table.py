@@ -6,7 +6,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from cutpoint.mechanics.backlash import Backlash
+from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.studies.sizing.demand import Peak
 from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
 from cutpoint.studies.sizing.margins import Margin

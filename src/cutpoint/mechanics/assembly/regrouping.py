@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cutpoint.mechanics.placements import NEGLIGIBLE
+from cutpoint.mechanics.assembly.placements import NEGLIGIBLE
 from cutpoint.model.mechanism import WORLD, Array, Body
 
 UNMOVED: dict[str, tuple[int, ...]] = {

@@ -9,13 +9,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from cutpoint.mechanics.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
-from cutpoint.mechanics.placements import inverse, joined
-from cutpoint.mechanics.reframing import Framing, RevoluteFrom, fallen, framing_of
-from cutpoint.mechanics.rotors import Spin, axis_of, standing_still
-from cutpoint.mechanics.spatial import Inertia, Mat3, Pose, Vec3
+from cutpoint.mechanics.assembly.placements import inverse, joined
+from cutpoint.mechanics.assembly.reframing import Framing, RevoluteFrom, fallen, framing_of
+from cutpoint.mechanics.assembly.units import in_unit_of_length
+from cutpoint.mechanics.bodies.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
+from cutpoint.mechanics.bodies.rotors import Spin, axis_of, standing_still
+from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System
-from cutpoint.mechanics.units import in_unit_of_length
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD, Array, Body, Joint, Mechanism
 from cutpoint.scalars import Scalar

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.mechanics.smooth_corner import SmoothCorner
+from cutpoint.mechanics.drives.inversion import increasing_root
+from cutpoint.mechanics.drives.smooth_corner import SmoothCorner
 from cutpoint.scalars import Scalar, absolute, clip, maximum, where
 
 BLEND = 0.25

@@ -6,7 +6,7 @@ and U = (alpha x) + (omega x)(omega x) the gradient of acceleration.  Every sum 
 
 from collections.abc import Sequence
 
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Inertia, Mat3, Motion, Vec3, Wrench
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia, Mat3, Motion, Vec3, Wrench
 from cutpoint.scalars import Scalar
 
 

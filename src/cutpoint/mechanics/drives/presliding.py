@@ -11,8 +11,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from cutpoint.mechanics.friction import Coulomb, Sliding, Stribeck
-from cutpoint.mechanics.saturation import saturation
+from cutpoint.mechanics.drives.friction import Coulomb, Sliding, Stribeck
+from cutpoint.mechanics.drives.saturation import saturation
 from cutpoint.scalars import Scalar, absolute, clip, maximum, minimum, where
 
 Halfway = tuple[Scalar, Scalar]

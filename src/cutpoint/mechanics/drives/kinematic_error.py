@@ -6,8 +6,8 @@ motor's load is tau_f (1 - e'(theta)).  Tuttle and Seering (1996); theta_err in 
 
 from dataclasses import dataclass
 
-from cutpoint.mechanics.harmonics import series, series_slope
-from cutpoint.mechanics.inversion import increasing_root
+from cutpoint.mechanics.drives.harmonics import series, series_slope
+from cutpoint.mechanics.drives.inversion import increasing_root
 from cutpoint.model.drive import Harmonic
 from cutpoint.scalars import Scalar
 

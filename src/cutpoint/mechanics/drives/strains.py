@@ -7,8 +7,8 @@ at the first: an integrator updates them without a derivative.
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.harmonic_drive import DriveState, deflection, transmitted_torque
-from cutpoint.mechanics.presliding import Presliding
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, transmitted_torque
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

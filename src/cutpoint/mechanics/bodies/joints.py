@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from cutpoint.mechanics.rotations import (
+from cutpoint.mechanics.bodies.rotations import (
     exponential,
     logarithm,
     product,
@@ -18,8 +18,8 @@ from cutpoint.mechanics.rotations import (
     turned_back,
     with_unit_length,
 )
-from cutpoint.mechanics.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
-from cutpoint.mechanics.turning import about_z, turned
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.turning import about_z, turned
 from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]

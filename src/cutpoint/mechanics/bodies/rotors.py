@@ -7,7 +7,7 @@ Xia (2019) eqs. (4), (7), (10).
 
 from dataclasses import dataclass
 
-from cutpoint.mechanics.spatial import ZERO, Inertia, Mat3, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Pose, Vec3, Wrench
 from cutpoint.model.drive import Rotor
 from cutpoint.scalars import Scalar
 

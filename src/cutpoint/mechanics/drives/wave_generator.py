@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from cutpoint.mechanics.compliance import Flexspline
-from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.mechanics.saturation import saturation
+from cutpoint.mechanics.drives.compliance import Flexspline
+from cutpoint.mechanics.drives.inversion import increasing_root
+from cutpoint.mechanics.drives.saturation import saturation
 from cutpoint.scalars import Scalar, absolute, clip, exp, maximum, minimum, where
 
 TERMS = 20

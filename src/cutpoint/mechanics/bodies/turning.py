@@ -7,7 +7,7 @@ fewer products than derivatives of R's numbers would.
 
 from typing import Any, overload
 
-from cutpoint.mechanics.spatial import IDENTITY, Mat3, Vec3
+from cutpoint.mechanics.bodies.spatial import IDENTITY, Mat3, Vec3
 from cutpoint.scalars import Jet, Scalar, cos, sin
 
 

@@ -6,7 +6,7 @@ Sola, Deray and Atchuthan (2018), "A micro Lie theory", eqs. (101)-(105), (143)-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cutpoint.mechanics.spatial import Mat3, Vec3
+from cutpoint.mechanics.bodies.spatial import Mat3, Vec3
 from cutpoint.scalars import Scalar, atan, cos, sin, sqrt, where
 
 Scalars = Sequence[Scalar]

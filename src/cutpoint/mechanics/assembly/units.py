@@ -8,8 +8,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from cutpoint.mechanics.placements import NEGLIGIBLE
-from cutpoint.mechanics.spatial import Inertia, Pose, Vec3
+from cutpoint.mechanics.assembly.placements import NEGLIGIBLE
+from cutpoint.mechanics.bodies.spatial import Inertia, Pose, Vec3
 from cutpoint.mechanics.system import Place, System
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar, is_plain_zero

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from cutpoint.mechanics.inversion import increasing_root
-from cutpoint.mechanics.smooth_corner import SmoothCorner
+from cutpoint.mechanics.drives.inversion import increasing_root
+from cutpoint.mechanics.drives.smooth_corner import SmoothCorner
 from cutpoint.model.drive import Compliance
 from cutpoint.scalars import Scalar, absolute, where
 

@@ -9,7 +9,7 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
-from cutpoint.mechanics.placements import NEGLIGIBLE, about_z, joined
+from cutpoint.mechanics.assembly.placements import NEGLIGIBLE, about_z, joined
 from cutpoint.model.mechanism import Array
 
 TURNING = ("revolute", "continuous")

@@ -6,7 +6,7 @@ Torques at the joint's side, ratio times the shaft's; rotor angle ratio * theta.
 import math
 from collections.abc import Sequence
 
-from cutpoint.mechanics.harmonics import series
+from cutpoint.mechanics.drives.harmonics import series
 from cutpoint.model.drive import Drive, Harmonic, Motor
 from cutpoint.scalars import Scalar, clip
 

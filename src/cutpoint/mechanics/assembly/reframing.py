@@ -13,8 +13,7 @@ from math import atan2, hypot
 
 import numpy as np
 
-from cutpoint.mechanics.joints import Revolute
-from cutpoint.mechanics.operation_costs import (
+from cutpoint.mechanics.assembly.operation_costs import (
     TURNING,
     cheapest_zero,
     inertia_cost,
@@ -23,11 +22,12 @@ from cutpoint.mechanics.operation_costs import (
     rotation_cost,
     within_quarter,
 )
-from cutpoint.mechanics.placements import NEGLIGIBLE, about_z, inverse, joined, shift
-from cutpoint.mechanics.pseudo_inertia import pseudo_inertia_of_body
-from cutpoint.mechanics.regrouping import extent, regrouped, transformed, without_unmoved
-from cutpoint.mechanics.spatial import Pose
-from cutpoint.mechanics.units import unit_of_length
+from cutpoint.mechanics.assembly.placements import NEGLIGIBLE, about_z, inverse, joined, shift
+from cutpoint.mechanics.assembly.regrouping import extent, regrouped, transformed, without_unmoved
+from cutpoint.mechanics.assembly.units import unit_of_length
+from cutpoint.mechanics.bodies.joints import Revolute
+from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia_of_body
+from cutpoint.mechanics.bodies.spatial import Pose
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
 

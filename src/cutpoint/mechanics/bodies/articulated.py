@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cutpoint.mechanics.joints import TURN_X, TURN_Y, TURN_Z, Axis, X, Y, Z, dot
-from cutpoint.mechanics.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.bodies.joints import TURN_X, TURN_Y, TURN_Z, Axis, X, Y, Z, dot
+from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.scalars import Scalar, is_plain_zero
 
 UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]

@@ -5,7 +5,7 @@ All quantities at the joint's side: theta is the rotor's angle divided by ratio,
 
 from typing import Any, NamedTuple
 
-from cutpoint.mechanics.presliding import Presliding
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.scalars import Jet, Scalar, where
 

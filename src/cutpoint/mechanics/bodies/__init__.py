@@ -1,0 +1,1 @@
+"""Spatial algebra, rigid bodies, rotors and joints: what one body does."""

@@ -1,0 +1,1 @@
+"""What a drive does between motor and link: springs, friction, kinematic error, the motor's limits."""
