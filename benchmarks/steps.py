@@ -15,7 +15,7 @@ from run_sections import steps as table_of
 
 import cutpoint
 from cutpoint import Backlash, ElastoPlastic, Grease, LinearSpring
-from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.model import Drive, Motor
 from cutpoint.simulation.plant import sizes
 from cutpoint.studies import drive_effects as effects

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cutpoint.formats import catalogue_gear, catalogue_names
-from cutpoint.formats.catalogue_sheets import CatalogueGear, Group, Source
+from cutpoint.formats.catalogue.sheets import CatalogueGear, Group, Source
 from cutpoint.studies.drive.measured import Specimen, arc_minutes
 from cutpoint.studies.drive.text import PARTS
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import yaml
 
-from cutpoint.formats.urdf import load_urdf
+from cutpoint.formats.urdf.urdf import load_urdf
 from cutpoint.robots import XIA2019_DRIVES, XIA2019_URDF, xia2019_mechanism
 from cutpoint.studies import newton_euler
 from cutpoint.studies.chain import chain_of

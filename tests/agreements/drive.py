@@ -7,8 +7,8 @@ from agreements.registry import equations
 from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
 from cutpoint.control.laws.vdc import required_velocity
-from cutpoint.formats.drive_entry import harmonic_ratio
-from cutpoint.formats.drive_sheet import GearSheet
+from cutpoint.formats.drives.drive_sheet import GearSheet
+from cutpoint.formats.drives.entry import harmonic_ratio
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque, load_on_motor, motor_position, spring_torque
 from cutpoint.mechanics.drives.kinematic_error import Harmonic, KinematicError
 from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator

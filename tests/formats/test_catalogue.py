@@ -21,7 +21,7 @@ from cutpoint.formats import (
     parse_urdf,
     save_drives,
 )
-from cutpoint.formats.catalogue import catalogue_friction
+from cutpoint.formats.catalogue.catalogue import catalogue_friction
 from cutpoint.model import Drive
 from robot_library import robot
 

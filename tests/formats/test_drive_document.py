@@ -10,8 +10,8 @@ from pydantic.fields import FieldInfo
 from urdf_text import joint, link, robot
 
 from cutpoint.formats import parse_drives, parse_urdf
-from cutpoint.formats.drive_section import sheet_at
-from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
+from cutpoint.formats.drives.drive_sheet import DriveSheet, FileSheet
+from cutpoint.formats.drives.section import sheet_at
 
 PAGE = (Path(__file__).parents[2] / "docs" / "drive-file.md").read_text(encoding="utf-8")
 

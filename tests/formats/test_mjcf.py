@@ -19,7 +19,7 @@ import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import DegreesWarning, NotCarriedOver, parse_mjcf
-from cutpoint.formats.mjcf_text import MAXIMUM_PIECES
+from cutpoint.formats.mjcf.text import MAXIMUM_PIECES
 from cutpoint.loading import DroppedWarning
 from cutpoint.model import Limits
 from robot_library import Array, assert_close
@@ -457,7 +457,7 @@ def test_what_mujoco_remarks_is_told_with_the_file() -> None:
         warnings.simplefilter("always")
         parse_mjcf(text, "arm.xml")
     assert all(str(each.message).startswith("MuJoCo says about arm.xml: ") for each in caught)
-    assert all("mjcf_model" not in each.filename for each in caught)
+    assert all("formats" not in Path(each.filename).parts for each in caught)
 
 
 def test_ranges_that_look_like_degrees_are_warned_of() -> None:

@@ -7,7 +7,7 @@ import pytest
 from beside_mujoco import assert_torques_are_mujocos, read
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf_includes import MAXIMUM_FILES
+from cutpoint.formats.mjcf.includes import MAXIMUM_FILES
 
 SCENE = """<mujoco model="scene">
   <include file="common/options.xml"/>

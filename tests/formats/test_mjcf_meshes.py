@@ -8,7 +8,7 @@ import pytest
 from beside_mujoco import assert_torques_are_mujocos, read
 
 from cutpoint.errors import ModelError
-from cutpoint.formats import mjcf_meshes
+from cutpoint.formats.mjcf import meshes as mjcf_meshes
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.1, 0.2, 0.0], [0.05, 0.1, 0.5]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

@@ -10,8 +10,8 @@ import cutpoint
 from cutpoint import Drive, Harmonic, KinematicError, LinearSpring, MaxwellSlip, Rotor, Stribeck
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_drives, parse_urdf
-from cutpoint.formats.drive_file_writing import remarked_drives, worded
-from cutpoint.formats.urdf_writing import MOVED, updated_urdf
+from cutpoint.formats.drives.file_writing import remarked_drives, worded
+from cutpoint.formats.urdf.writing import MOVED, updated_urdf
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.model import Mechanism

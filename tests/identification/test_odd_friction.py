@@ -9,7 +9,7 @@ from arm_logs import LAW, TIME, TRUTH, Array, channels, motions
 
 import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor, Stribeck
-from cutpoint.formats.drives import parse_drives
+from cutpoint.formats.drives.drives import parse_drives
 from cutpoint.identification import Recording, base_parameters, low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.output import Identification, identify

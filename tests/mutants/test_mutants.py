@@ -27,30 +27,19 @@ from mutation import holds, mutated
 
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
-from cutpoint.control import joint_law
+from cutpoint.control.laws import joint_law
 from cutpoint.control.sensors import Encoders
 from cutpoint.derivatives import definitions as derivative_definitions
-from cutpoint.formats import drive_entry
+from cutpoint.formats.drives import entry as drive_entry
 from cutpoint.kernels.lowering import fusion
 from cutpoint.kernels.machine.cache import not_kept
 from cutpoint.kernels.programs import stage
-from cutpoint.mechanics import (
-    assembly,
-    elastic,
-    elastic_forward,
-    energy,
-    harmonic_drive,
-    inverse_dynamics,
-    motor,
-    power_flow,
-    reframing,
-    rigid_body,
-    rotations,
-    strains,
-    torque_derivatives,
-)
+from cutpoint.mechanics import elastic, elastic_forward, energy, inverse_dynamics, power_flow, torque_derivatives
+from cutpoint.mechanics.assembly import assembly, reframing
+from cutpoint.mechanics.bodies import rigid_body, rotations
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import Pose
+from cutpoint.mechanics.drives import harmonic_drive, motor, strains
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
-from cutpoint.formats.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
+from cutpoint.formats.urdf.urdf import DegreesWarning, MimicWarning, load_urdf, parse_urdf
 
 if TYPE_CHECKING:
-    from cutpoint.formats.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
-    from cutpoint.formats.drives import dump_drives, load_drives, parse_drives, save_drives
-    from cutpoint.formats.mjcf import MjcfRobot, load_mjcf, parse_mjcf
-    from cutpoint.formats.unlikely_units import UnitsWarning
+    from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
+    from cutpoint.formats.drives.drives import dump_drives, load_drives, parse_drives, save_drives
+    from cutpoint.formats.drives.unlikely_units import UnitsWarning
+    from cutpoint.formats.mjcf.mjcf import MjcfRobot, load_mjcf, parse_mjcf
 
 __all__ = [
     "DegreesWarning",
@@ -35,10 +35,10 @@ __all__ = [
 ]
 
 _ELSEWHERE = {
-    **dict.fromkeys(("catalogue_drive", "catalogue_gear", "catalogue_names", "entry_of"), "catalogue"),
-    **dict.fromkeys(("dump_drives", "load_drives", "parse_drives", "save_drives"), "drives"),
-    "UnitsWarning": "unlikely_units",
-    **dict.fromkeys(("MjcfRobot", "load_mjcf", "parse_mjcf"), "mjcf"),
+    **dict.fromkeys(("catalogue_drive", "catalogue_gear", "catalogue_names", "entry_of"), "catalogue.catalogue"),
+    **dict.fromkeys(("dump_drives", "load_drives", "parse_drives", "save_drives"), "drives.drives"),
+    "UnitsWarning": "drives.unlikely_units",
+    **dict.fromkeys(("MjcfRobot", "load_mjcf", "parse_mjcf"), "mjcf.mjcf"),
 }
 """Modules of names that are imported on first use: with SciPy, YAML and the validation of sheets they cost more than
 all else here."""

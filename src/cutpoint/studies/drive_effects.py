@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from dataclasses import replace
 
-from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.friction import STATED_AT, Coulomb, Grease
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip

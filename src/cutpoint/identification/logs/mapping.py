@@ -8,7 +8,7 @@ from typing import Any
 
 from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError, listed
-from cutpoint.formats.drive_section import Section
+from cutpoint.formats.drives.section import Section
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, YamlPath, parse_yaml
 from cutpoint.identification.logs.default_mapping import default_mapping

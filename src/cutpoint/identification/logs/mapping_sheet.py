@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from cutpoint.formats.sheet import Sheet, quantity, short
+from cutpoint.formats.drives.sheet import Sheet, quantity, short
 
 
 def _as_list(value: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cutpoint.door import number
 from cutpoint.errors import InputError
-from cutpoint.formats.drive_file_writing import worded
+from cutpoint.formats.drives.file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.other_sides import with_other_sides

@@ -9,11 +9,11 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
-from cutpoint.formats.drive_file_writing import remarked_drives
+from cutpoint.formats.drives.file_writing import remarked_drives
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
-from cutpoint.formats.urdf_writing import updated_urdf
-from cutpoint.formats.xacro_expansion import expand
+from cutpoint.formats.urdf.writing import updated_urdf
+from cutpoint.formats.urdf.xacro_expansion import expand
 from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.model.hand import hand_of
 from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot

@@ -4,7 +4,7 @@ from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, files
 
 from cutpoint.errors import InputError
-from cutpoint.formats.catalogue import catalogue_drive
+from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.loading import load
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.reporting.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
 from cutpoint.studies.chain import Array

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from cutpoint.formats.catalogue import catalogue_gear
-from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.formats.catalogue.catalogue import catalogue_gear
+from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.reporting.style import FAINT, FORCE, INK, JOINTS, LINK
 from cutpoint.studies.drive.angles import missing
 from cutpoint.studies.drive.measured import Specimen

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cutpoint.formats.catalogue import catalogue_drive, catalogue_friction, catalogue_gear
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
-from cutpoint.formats.catalogue_friction import RPM, InputFriction
-from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_friction, catalogue_gear
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
+from cutpoint.formats.catalogue.friction import RPM, InputFriction
+from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Drive
 from cutpoint.studies.chain import Array

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from cutpoint.formats.catalogue_sheets import Efficiency, Group, Running
+from cutpoint.formats.catalogue.sheets import Efficiency, Group, Running
 from cutpoint.studies.drive.measured import Specimen, arc_minutes
 
 SPEEDS = (500.0, 1000.0, 2000.0, 3500.0)

@@ -6,8 +6,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from cutpoint.formats.catalogue import catalogue_gear, catalogue_names
-from cutpoint.formats.catalogue_sheets import CatalogueGear, Source
+from cutpoint.formats.catalogue.catalogue import catalogue_gear, catalogue_names
+from cutpoint.formats.catalogue.sheets import CatalogueGear, Source
 from cutpoint.studies.drive.measured import Specimen
 from cutpoint.studies.drive.rows import derived, printed
 from cutpoint.studies.drive.text import estimate_note

@@ -5,7 +5,7 @@ from typing import Any
 
 import yaml
 
-from cutpoint.formats.catalogue import catalogue_friction, catalogue_gear, entry_of
+from cutpoint.formats.catalogue.catalogue import catalogue_friction, catalogue_gear, entry_of
 
 PARTS = {"dry": "starting torque", "slope": "running torque", "per_load": "losses that grow with load"}
 """Of `InputFriction`, in words."""

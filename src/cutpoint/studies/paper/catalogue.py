@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.reporting.page import Page, Picture, Table, number

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cutpoint.formats.catalogue import catalogue_drive
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.formats.catalogue.catalogue import catalogue_drive
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.friction import STATED_AT, Coulomb
 from cutpoint.reporting.page import Page, Picture, listed, number
 from cutpoint.robot import Robot

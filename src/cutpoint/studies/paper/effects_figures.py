@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.friction import Stribeck
 from cutpoint.mechanics.drives.presliding import ElastoPlastic

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from cutpoint.formats.catalogue_entry import ARC_MINUTE
+from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.motor import shaft_torque
 from cutpoint.model.drive import Drive
 from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING

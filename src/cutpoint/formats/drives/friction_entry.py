@@ -3,9 +3,9 @@
 from typing import Any
 
 from cutpoint.errors import InputError
-from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DriveSheet
-from cutpoint.formats.friction_sheets import FrictionLawSheet, MotorFrictionSheet
+from cutpoint.formats.drives.drive_sheet import DriveSheet
+from cutpoint.formats.drives.friction_sheets import FrictionLawSheet, MotorFrictionSheet
+from cutpoint.formats.drives.section import Section
 from cutpoint.mechanics.drives.friction import Coulomb, Grease, Stribeck
 from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.model.drive import Friction

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutpoint.formats.drive_words import is_smooth
-from cutpoint.formats.drives import dump_drives
+from cutpoint.formats.drives.drives import dump_drives
+from cutpoint.formats.drives.words import is_smooth
 from cutpoint.formats.safe_yaml import YamlPath, parse_yaml
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.model.drive import Drive

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.formats.friction_entry import friction_entry
-from cutpoint.formats.spring_sheets import MOST_ELEMENTS
+from cutpoint.formats.drives.friction_entry import friction_entry
+from cutpoint.formats.drives.spring_sheets import MOST_ELEMENTS
 from cutpoint.mechanics.drives.backlash import Backlash, spring_of
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring

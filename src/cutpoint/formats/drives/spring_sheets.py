@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from cutpoint.formats.sheet import Sheet, WaveSheet, quantity
+from cutpoint.formats.drives.sheet import Sheet, WaveSheet, quantity
 
 MOST_ELEMENTS = 16
 """Of hysteresis, that a file may ask for."""

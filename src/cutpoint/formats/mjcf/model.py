@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf_meshes import INERTIAL, MeshFile
+from cutpoint.formats.mjcf.meshes import INERTIAL, MeshFile
 
 FREE, BALL, SLIDE, HINGE = range(4)
 """Kinds of joints: MuJoCo's mjtJoint."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.formats.catalogue.sheets import CatalogueGear
 
 RPM = 2 * np.pi / 60
 """rad/s"""

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from cutpoint.formats.sheet import Sheet, WaveSheet, quantity
+from cutpoint.formats.drives.sheet import Sheet, WaveSheet, quantity
 
 
 class RotorSheet(Sheet):

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from cutpoint.formats.friction_sheets import FrictionSheet
-from cutpoint.formats.motor_sheets import MotorSheet, RatingsSheet, RotorSheet
-from cutpoint.formats.sheet import Sheet, quantity, short
-from cutpoint.formats.spring_sheets import ComplianceSheet, HysteresisSheet, KinematicErrorSheet
+from cutpoint.formats.drives.friction_sheets import FrictionSheet
+from cutpoint.formats.drives.motor_sheets import MotorSheet, RatingsSheet, RotorSheet
+from cutpoint.formats.drives.sheet import Sheet, quantity, short
+from cutpoint.formats.drives.spring_sheets import ComplianceSheet, HysteresisSheet, KinematicErrorSheet
 
 
 class GearSheet(Sheet):

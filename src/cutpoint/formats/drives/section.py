@@ -8,8 +8,8 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from cutpoint.errors import ModelError, close_to, listed
+from cutpoint.formats.drives.sheet import Sheet
 from cutpoint.formats.safe_yaml import YamlDocument, YamlPath
-from cutpoint.formats.sheet import Sheet
 
 S = TypeVar("S", bound=Sheet)
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import listed
-from cutpoint.formats.mjcf_model import BALL, FREE, names_of
+from cutpoint.formats.mjcf.model import BALL, FREE, names_of
 
 
 def losses(model: Any, left_out: Counter[str]) -> list[str]:

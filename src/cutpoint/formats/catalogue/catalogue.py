@@ -1,6 +1,6 @@
 """The drive catalogue that comes with the package: gears and actuators by name.  `docs/catalogue.md` lists them.
 
-`catalogue_data/` holds the numbers, each group with its source; `catalogue_entry` converts them to drives.
+`catalogue_data/` holds the numbers, each group with its source; `entry` converts them to drives.
 """
 
 from collections.abc import Mapping
@@ -9,17 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from cutpoint.errors import ModelError, those_that_exist
-from cutpoint.formats.catalogue_entry import drive_entry
-from cutpoint.formats.catalogue_friction import InputFriction, input_friction
-from cutpoint.formats.catalogue_sheets import CatalogueGear
-from cutpoint.formats.drive_entry import to_drive
-from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DriveSheet
+from cutpoint.formats.catalogue.entry import drive_entry
+from cutpoint.formats.catalogue.friction import InputFriction, input_friction
+from cutpoint.formats.catalogue.sheets import CatalogueGear
+from cutpoint.formats.drives.drive_sheet import DriveSheet
+from cutpoint.formats.drives.entry import to_drive
+from cutpoint.formats.drives.section import Section
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, YamlDocument, parse_yaml
 from cutpoint.model.drive import Drive
 
-_FOLDER = Path(__file__).parents[1] / "catalogue_data"
+_FOLDER = Path(__file__).parents[2] / "catalogue_data"
 
 _NOT_THE_ACTUATORS = ("maker", "series", "size", "ratio", "inertia", "mass")
 """Fields of a gear that an actuator with it does not inherit."""

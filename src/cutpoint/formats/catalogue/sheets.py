@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from cutpoint.formats.sheet import Sheet, quantity
+from cutpoint.formats.drives.sheet import Sheet, quantity
 
 
 class Source(Sheet):

@@ -18,8 +18,8 @@ from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.reading import parse_number, read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
 from cutpoint.formats.slips import meant
-from cutpoint.formats.urdf_elements import Reader
-from cutpoint.formats.xacro_expansion import expand
+from cutpoint.formats.urdf.elements import Reader
+from cutpoint.formats.urdf.xacro_expansion import expand
 from cutpoint.model.build import build
 from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.formats.catalogue_friction import RPM, InputFriction, times
-from cutpoint.formats.catalogue_sheets import CatalogueGear
+from cutpoint.formats.catalogue.friction import RPM, InputFriction, times
+from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 
 ARC_MINUTE = np.pi / 180 / 60

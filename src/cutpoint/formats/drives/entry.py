@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DriveSheet, GearSheet, LimitsSheet
-from cutpoint.formats.friction_entry import to_friction
-from cutpoint.formats.motor_sheets import MotorSheet, RotorSheet
-from cutpoint.formats.sheet import WaveSheet
-from cutpoint.formats.spring_sheets import ComplianceSheet, HysteresisSheet
+from cutpoint.formats.drives.drive_sheet import DriveSheet, GearSheet, LimitsSheet
+from cutpoint.formats.drives.friction_entry import to_friction
+from cutpoint.formats.drives.motor_sheets import MotorSheet, RotorSheet
+from cutpoint.formats.drives.section import Section
+from cutpoint.formats.drives.sheet import WaveSheet
+from cutpoint.formats.drives.spring_sheets import ComplianceSheet, HysteresisSheet
 from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring

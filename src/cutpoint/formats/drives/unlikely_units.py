@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DriveSheet
+from cutpoint.formats.drives.drive_sheet import DriveSheet
+from cutpoint.formats.drives.section import Section
 from cutpoint.formats.safe_yaml import YamlPath
 
 

@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation
 from cutpoint.callers import warn
 from cutpoint.door import check_kind
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf_includes import include_files
-from cutpoint.formats.mjcf_losses import losses
-from cutpoint.formats.mjcf_meshes import MeshFile, mesh_files, read_meshes
-from cutpoint.formats.mjcf_model import (
+from cutpoint.formats.mjcf.includes import include_files
+from cutpoint.formats.mjcf.losses import losses
+from cutpoint.formats.mjcf.meshes import MeshFile, mesh_files, read_meshes
+from cutpoint.formats.mjcf.model import (
     BALL,
     FREE,
     HINGE,
@@ -32,12 +32,12 @@ from cutpoint.formats.mjcf_model import (
     names_of,
     package,
 )
-from cutpoint.formats.mjcf_text import excerpt_of
+from cutpoint.formats.mjcf.text import excerpt_of
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml
-from cutpoint.formats.urdf import warn_of_degrees
+from cutpoint.formats.urdf.urdf import warn_of_degrees
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.model.mechanism import Array, Joint, JointKind, Limits, Link, Mechanism

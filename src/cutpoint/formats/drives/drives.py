@@ -11,14 +11,14 @@ from cutpoint.callers import warn
 from cutpoint.door import DRIVES, check_kind
 from cutpoint.errors import InputError, listed, those_that_exist
 from cutpoint.files import replacing
-from cutpoint.formats.drive_entry import to_drive
-from cutpoint.formats.drive_section import Section
-from cutpoint.formats.drive_sheet import DriveSheet, FileSheet
-from cutpoint.formats.drive_words import to_entry
+from cutpoint.formats.drives.drive_sheet import DriveSheet, FileSheet
+from cutpoint.formats.drives.entry import to_drive
+from cutpoint.formats.drives.section import Section
+from cutpoint.formats.drives.unlikely_units import UnitsWarning, doubts_of, doubts_of_sliding
+from cutpoint.formats.drives.words import to_entry
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
-from cutpoint.formats.unlikely_units import UnitsWarning, doubts_of, doubts_of_sliding
-from cutpoint.formats.urdf import DegreesWarning
+from cutpoint.formats.urdf.urdf import DegreesWarning
 from cutpoint.model.drive import Drive
 from cutpoint.model.drive_validation import check_drive
 from cutpoint.model.limits import look_like_degrees
@@ -144,7 +144,7 @@ def _laid_over(defaults: Mapping[str, Any], entry: Mapping[str, Any], section: S
 
 def _from_catalogue(name: str, section: Section, rigid: bool) -> dict[str, Any]:
     # slow to import, and most files name no catalogue drive
-    from cutpoint.formats.catalogue import catalogue_names, entry_of, unknown_gear
+    from cutpoint.formats.catalogue.catalogue import catalogue_names, entry_of, unknown_gear
 
     if name not in catalogue_names():
         raise section.error(("catalogue",), unknown_gear(name))

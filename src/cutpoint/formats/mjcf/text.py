@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf_meshes import MeshFile, name_of
+from cutpoint.formats.mjcf.meshes import MeshFile, name_of
 from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
 from cutpoint.formats.slips import meant

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from cutpoint.formats.sheet import Sheet, quantity
+from cutpoint.formats.drives.sheet import Sheet, quantity
 from cutpoint.mechanics.drives.friction import SMOOTHING
 
 

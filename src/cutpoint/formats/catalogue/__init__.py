@@ -1,0 +1,1 @@
+"""The catalogue of drives that comes with the package."""

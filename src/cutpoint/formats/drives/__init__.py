@@ -1,0 +1,1 @@
+"""Drive files: their schema, and drives from them and back."""
