@@ -26,7 +26,7 @@ from cutpoint.control import (
     tune,
 )
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.studies.cost.timing import in_turns
 
 COUNT, BANDWIDTH, PERIOD = 256, 4.0, 1e-3

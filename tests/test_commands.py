@@ -24,7 +24,8 @@ from cutpoint.control.tuning import recipes
 from cutpoint.export import export_controller
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
-from cutpoint.simulation import log_plot, runner
+from cutpoint.simulation import runner
+from cutpoint.simulation.log import plot as log_plot
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
 <mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>

@@ -20,7 +20,7 @@ from cutpoint.control import PD, PID, AdaptiveVDC, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
 from cutpoint.functions.exported import RESULTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.trajectories import cycloid
 from robot_library import mixed
 

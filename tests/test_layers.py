@@ -27,7 +27,7 @@ LAYERS = """
 """
 """Parts of one line do not know each other.  face: the names that users import from `cutpoint` itself."""
 
-OFFERED = {("robot.py", "analysis"), ("simulation/log.py", "analysis")}
+OFFERED = {("robot.py", "analysis"), ("simulation/log/log.py", "analysis")}
 """Methods that are offered where users look for them: `Robot.linearize` and `modes`, and `Log.certificate`."""
 
 LAYER = {part: layer for layer, line in enumerate(LAYERS.strip().splitlines()) for part in line.split()}

@@ -25,7 +25,7 @@ from cutpoint.kernels.targets.c99_texts import Values
 from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 
 _WRITERS = {"c": c99_package.write_package, "cuda": cuda_package.write_package}
 """What a function can be exported to."""

@@ -10,7 +10,7 @@ from c_builds import CFunction, assert_same_bits
 from cutpoint.control import Guard
 from cutpoint.export import export_controller
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 
 PERIOD = 1e-3
 

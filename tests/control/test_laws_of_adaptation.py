@@ -12,7 +12,7 @@ from cutpoint.control import AdaptiveVDC
 from cutpoint.control.laws.adaptation import factor, inertial_of_factor, natural, projected
 from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 from robot_library import Array, assert_close, derivative, robot, tree
 
 RUNS = 1000

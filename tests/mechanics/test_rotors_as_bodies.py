@@ -8,7 +8,7 @@ import pytest
 
 from cutpoint import Drive, Flexspline, InputError, LinearSpring, Robot, Rotor
 from cutpoint.model import Body, Joint, Mechanism
-from cutpoint.simulation.fastest import fastest_mode, posture
+from cutpoint.simulation.steps.fastest import fastest_mode, posture
 from robot_library import derivative
 
 N = 4

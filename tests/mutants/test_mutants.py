@@ -45,8 +45,8 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
-from cutpoint.rolled import derivatives as looped_derivatives
-from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.rolled.algorithms import derivatives as looped_derivatives
+from cutpoint.simulation.loop.loop import ClosedLoop
 
 
 class Mutant(NamedTuple):

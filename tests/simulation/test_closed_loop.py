@@ -6,9 +6,9 @@ import pytest
 from cutpoint import Drive, InputError, LinearSpring, Log, Rotor, State, simulate
 from cutpoint.control import PD, Feedforward, GravityCompensation
 from cutpoint.model import Limits
-from cutpoint.simulation import loop as loops
 from cutpoint.simulation.cache import programs_for
 from cutpoint.simulation.controllers import admitted
+from cutpoint.simulation.loop import loop as loops
 from cutpoint.trajectories import cycloid, quintic
 from robot_library import Robot, assert_close, frictionless, robot
 

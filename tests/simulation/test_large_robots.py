@@ -8,7 +8,7 @@ import scipy.linalg
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor, simulate
 from cutpoint.errors import InputError
-from cutpoint.simulation.fastest import FEW, fastest_mode, posture
+from cutpoint.simulation.steps.fastest import FEW, fastest_mode, posture
 from large_robots import chain
 
 

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cutpoint.errors import CutpointError, InputError
-from cutpoint.simulation import log_files, simulate
-from cutpoint.simulation.log import Log
+from cutpoint.simulation import simulate
+from cutpoint.simulation.log import files as log_files
+from cutpoint.simulation.log.log import Log
 from robot_library import robot
 
 JOINTS = ("shoulder", "el,bow [x]", "$li_ft^$")

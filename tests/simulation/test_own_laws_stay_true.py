@@ -18,7 +18,7 @@ from cutpoint.control import PD, Feedforward
 from cutpoint.control.own_law import STEPS_TRIED
 from cutpoint.definitions import gravity_forces
 from cutpoint.simulation import UntracedControllerWarning
-from cutpoint.simulation import loop as loops
+from cutpoint.simulation.loop import loop as loops
 from cutpoint.trajectories import cycloid
 from robot_library import frictionless, robot
 

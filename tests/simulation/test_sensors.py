@@ -7,7 +7,7 @@ import pytest
 
 from cutpoint import InputError, Log, Sensors, simulate
 from cutpoint.control import PD
-from cutpoint.simulation.noise import Noise
+from cutpoint.simulation.loop.noise import Noise
 from cutpoint.trajectories import quintic
 from robot_library import frictionless, robot
 

@@ -10,9 +10,9 @@ import pytest
 from cutpoint import Coulomb, Drive, ElastoPlastic, LinearSpring, Log, Rotor, State, Stribeck, simulate
 from cutpoint.control import PD, Command, Feedforward, Law
 from cutpoint.model import Motor
-from cutpoint.simulation.fastest import fastest_growth, posture
-from cutpoint.simulation.step import GAMMA, TABLEAU
-from cutpoint.simulation.substeps import substeps_for
+from cutpoint.simulation.loop.step import GAMMA, TABLEAU
+from cutpoint.simulation.steps.fastest import fastest_growth, posture
+from cutpoint.simulation.steps.substeps import substeps_for
 from cutpoint.trajectories import cycloid
 from robot_library import Array, Robot, robot
 
@@ -221,7 +221,7 @@ CULPRITS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.filterwarnings("ignore::cutpoint.simulation.substeps.StiffnessWarning")
+@pytest.mark.filterwarnings("ignore::cutpoint.simulation.steps.substeps.StiffnessWarning")
 @pytest.mark.parametrize("part", CULPRITS)
 @pytest.mark.parametrize("joint", arm().joints)
 def test_what_sets_the_steps_is_found_where_it_is(joint, part):

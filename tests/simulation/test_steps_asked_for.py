@@ -30,8 +30,8 @@ from cutpoint import (
 from cutpoint.control import Command, Law, tune
 from cutpoint.model import Body, Joint, Mechanism
 from cutpoint.simulation import StiffnessWarning
-from cutpoint.simulation.fastest import fastest_mode, posture
-from cutpoint.simulation.substeps import substeps_for
+from cutpoint.simulation.steps.fastest import fastest_mode, posture
+from cutpoint.simulation.steps.substeps import substeps_for
 
 SPRING = LinearSpring(16e3)
 COGGING = Motor(0.1, cogging=(Harmonic(84, 0.02),))

@@ -22,7 +22,7 @@ from cutpoint.control.laws.vdc import VDC
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild
-from cutpoint.simulation.log import Log
+from cutpoint.simulation.log.log import Log
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ def plot(
     output: Annotated[Path, typer.Option(metavar="FILE", help="The picture: .png, .pdf or .svg.")] = Path("plot.png"),
 ) -> None:
     """Plot saved logs, joint by joint, one or several for comparison.  docs/log-channels.md lists every channel."""
-    from cutpoint.simulation.log_plot import picture
+    from cutpoint.simulation.log.plot import picture
 
     check_target("output", output, (".png", ".pdf", ".svg"))
     if twice := next((path for path in logs if logs.count(path) > 1), None):

@@ -148,7 +148,7 @@ def _check_log_fits(
     output: Path | None, robot: cutpoint.Robot, controller: Any, trajectory: Any, period: float
 ) -> None:
     """Raises InputError for a run whose log would be larger than a file may be, before it is run."""
-    from cutpoint.simulation.log_files import LARGEST_FILE
+    from cutpoint.simulation.log.files import LARGEST_FILE
 
     samples = trajectory.duration / period
     if output is None or not MANY_SAMPLES < samples < np.inf:

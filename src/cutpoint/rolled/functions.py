@@ -18,8 +18,8 @@ from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import backends
 from cutpoint.kernels.arrays.arguments import common_batch
 from cutpoint.mechanics.system import System
+from cutpoint.rolled.algorithms.derivatives import OF_MOTORS
 from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
-from cutpoint.rolled.derivatives import OF_MOTORS
 from cutpoint.rolled.memory import Task
 from cutpoint.rolled.recipes import OF_DRIVES, OF_FRAMES, RECIPES
 from cutpoint.rolled.runs import One

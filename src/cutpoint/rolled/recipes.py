@@ -9,10 +9,10 @@ from typing import Any, NamedTuple, get_args
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE
 from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.rolled import derivatives, elastic, forward, inverse, kinematics, mass, regressor, totals
+from cutpoint.rolled.algorithms import derivatives, elastic, forward, inverse, kinematics, mass, regressor, totals
+from cutpoint.rolled.algorithms.placing import RATES
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.passes import Steps
-from cutpoint.rolled.placing import RATES
 
 
 class Recipe(NamedTuple):

@@ -15,7 +15,7 @@ from cutpoint.mechanics.drives.harmonic_drive import transmission
 from cutpoint.mechanics.drives.strains import Strains
 from cutpoint.mechanics.elastic_forward import drive_effort, driven_accelerations
 from cutpoint.model.drive import Drive
-from cutpoint.simulation.loop import BEYOND, ClosedLoop
+from cutpoint.simulation.loop.loop import BEYOND, ClosedLoop
 from cutpoint.simulation.plant import Own, all_rates, arrived, motor_torque, own_parts, split
 
 Array = NDArray[np.float64]

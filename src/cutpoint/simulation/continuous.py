@@ -12,7 +12,7 @@ from cutpoint import kernels
 from cutpoint.errors import InputError
 from cutpoint.scalars import leaves
 from cutpoint.simulation.adaptive import ATOL, RTOL, end_period, plant_rates
-from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
 from cutpoint.trajectories import Trajectory
 

@@ -13,8 +13,8 @@ from cutpoint.kernels import Kernel
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, with_float_leaves
 from cutpoint.simulation.controllers import fitting
-from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.loop import ClosedLoop
+from cutpoint.simulation.loop.parameters import law_parameters
 
 Array = NDArray[np.float64]
 

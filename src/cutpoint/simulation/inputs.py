@@ -10,8 +10,8 @@ from cutpoint.errors import InputError, listed
 from cutpoint.robot import Robot
 from cutpoint.scalars import is_of_cutpoint
 from cutpoint.simulation.beginning import vector
-from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.noise import Noise
+from cutpoint.simulation.loop.loop import ClosedLoop
+from cutpoint.simulation.loop.noise import Noise
 from cutpoint.simulation.plant import State
 from cutpoint.trajectories import Trajectory
 

@@ -21,13 +21,13 @@ from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
 from cutpoint.simulation.controllers import admitted
 from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sample_times
-from cutpoint.simulation.log import Log
+from cutpoint.simulation.log.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
-from cutpoint.simulation.steps_reached import check_steps
-from cutpoint.simulation.substeps import Steps
+from cutpoint.simulation.steps.steps_reached import check_steps
+from cutpoint.simulation.steps.substeps import Steps
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
 from cutpoint.kernels.arrays.backends import numbers_at_once
 from cutpoint.simulation.inputs import noise_of
-from cutpoint.simulation.log import Log
-from cutpoint.simulation.loop import ClosedLoop
-from cutpoint.simulation.noise import BLOCK, Noise
+from cutpoint.simulation.log.log import Log
+from cutpoint.simulation.loop.loop import ClosedLoop
+from cutpoint.simulation.loop.noise import BLOCK, Noise
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import (
@@ -26,7 +26,7 @@ from cutpoint.simulation.runner import (
     shared_numbers,
     working_memory,
 )
-from cutpoint.simulation.substeps import Steps
+from cutpoint.simulation.steps.substeps import Steps
 
 Array = NDArray[np.float64]
 

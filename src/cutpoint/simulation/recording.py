@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
 from cutpoint.mechanics.drives.strains import count, dealt, taken
 from cutpoint.model.limits import efforts_in_force
-from cutpoint.simulation.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
-from cutpoint.simulation.log import Log, Run
-from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.log.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
+from cutpoint.simulation.log.log import Log, Run
+from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 
 Array = NDArray[np.float64]

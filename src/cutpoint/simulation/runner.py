@@ -12,9 +12,9 @@ from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Program
 from cutpoint.reporting.bar import Bar
-from cutpoint.simulation.loop import INTEGRATION, ClosedLoop
+from cutpoint.simulation.loop.loop import INTEGRATION, ClosedLoop
+from cutpoint.simulation.loop.step import TABLEAU
 from cutpoint.simulation.plant import State
-from cutpoint.simulation.step import TABLEAU
 
 Array = NDArray[np.float64]
 

@@ -27,13 +27,13 @@ from cutpoint.simulation.inputs import (
     rows_of,
     sample_times,
 )
-from cutpoint.simulation.log import Log
-from cutpoint.simulation.loop import ClosedLoop
+from cutpoint.simulation.log.log import Log
+from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
-from cutpoint.simulation.steps_reached import check_steps
-from cutpoint.simulation.substeps import Steps, substeps_for
+from cutpoint.simulation.steps.steps_reached import check_steps
+from cutpoint.simulation.steps.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 

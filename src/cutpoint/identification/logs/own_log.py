@@ -4,7 +4,7 @@ from pathlib import Path
 
 from cutpoint.identification.logs.read_npz import opened_archive
 from cutpoint.identification.logs.table import Channel, Table
-from cutpoint.simulation.log import Log
+from cutpoint.simulation.log.log import Log
 
 LONGEST_START = 1000
 """Bytes of a member within which its text starts."""

@@ -12,7 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.files import check_readable
 from cutpoint.identification.logs.bag_storage import Message, stored_messages
 from cutpoint.identification.logs.table import LARGEST_FILE, Channel, Table, optional
-from cutpoint.simulation.log_files import UNREADABLE
+from cutpoint.simulation.log.files import UNREADABLE
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 ARRAY = "std_msgs/msg/Float64MultiArray"

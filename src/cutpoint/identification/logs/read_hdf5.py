@@ -5,7 +5,7 @@ from typing import Any
 
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
-from cutpoint.simulation.log_files import UNREADABLE
+from cutpoint.simulation.log.files import UNREADABLE
 
 REFERENCES = "#refs#"
 """Where MATLAB stores the targets of cells and objects."""

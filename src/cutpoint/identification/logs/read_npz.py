@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.table import Table, channel, check_size
-from cutpoint.simulation.log_files import UNREADABLE
+from cutpoint.simulation.log.files import UNREADABLE
 
 OBJECTS = "Python objects"
 

@@ -8,9 +8,10 @@ from cutpoint.mechanics.bodies.articulated import Articulated
 from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
-from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.forward import give_way, turned_pose
+from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.forward import give_way, turned_pose
 from cutpoint.rolled.packing import (
     INERTIA,
     articulated_of,
@@ -21,7 +22,6 @@ from cutpoint.rolled.packing import (
     pose_of,
 )
 from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
-from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar, minimum
 

@@ -10,7 +10,7 @@ from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.rolled.base import base_in
+from cutpoint.rolled.algorithms.base import base_in
 from cutpoint.rolled.bodies import BASE, columns_of, parents_of
 from cutpoint.rolled.equations.giving_way import giving_way
 from cutpoint.rolled.equations.solver import EQUATIONS, Room

@@ -10,7 +10,7 @@ import numpy as np
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
 from cutpoint.simulation.control_kernel import MEASURED, REFERENCE, law_kernel, law_memory
-from cutpoint.simulation.parameters import law_parameters
+from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.studies.compare.bench import USUAL, Bench
 from cutpoint.studies.compare.matching import Match
 from cutpoint.studies.cost.timing import in_turns

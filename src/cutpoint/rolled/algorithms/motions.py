@@ -8,9 +8,9 @@ from typing import Any
 
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion
-from cutpoint.rolled.base import Base
+from cutpoint.rolled.algorithms.base import Base
+from cutpoint.rolled.algorithms.kinematics import ABOVE
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.kinematics import ABOVE
 from cutpoint.rolled.packing import flat, motion_of, pose_of
 from cutpoint.rolled.passes import UPWARD, Order, Pass, Scalars
 

@@ -8,10 +8,10 @@ from cutpoint.mechanics.bodies.joints import Floating, Spherical
 from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.mechanics.drives.harmonic_drive import deflection
 from cutpoint.robot import Robot
-from cutpoint.simulation.channels import BASE_SPEEDS, base_of
-from cutpoint.simulation.fastest import Limit, fastest_mode, fastest_wave, posture
-from cutpoint.simulation.log import Log
-from cutpoint.simulation.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning
+from cutpoint.simulation.log.channels import BASE_SPEEDS, base_of
+from cutpoint.simulation.log.log import Log
+from cutpoint.simulation.steps.fastest import Limit, fastest_mode, fastest_wave, posture
+from cutpoint.simulation.steps.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, ZERO, Motion, Vec3
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
-from cutpoint.rolled.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms.placing import RATES, placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, UPWARD, Order, Pass, Steps
-from cutpoint.rolled.placing import RATES, placing
 from cutpoint.scalars import Scalar
 
 

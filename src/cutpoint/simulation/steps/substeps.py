@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.callers import warn
 from cutpoint.robot import Robot
-from cutpoint.simulation.fastest import (
+from cutpoint.simulation.steps.fastest import (
     fastest_decay,
     fastest_growth,
     fastest_mode,

@@ -142,7 +142,7 @@ class Log:
         beside: other logs by name, whose named channels are drawn too: `log.plot("position_error", beside={"VDC": b})`.
         Raises InputError for a channel that a log lacks, or logs beside without names of channels.
         """
-        from cutpoint.simulation.log_plot import check_beside, picture
+        from cutpoint.simulation.log.plot import check_beside, picture
 
         others: Mapping[str, Log] = beside or {}
         check_beside(others, names)
@@ -159,20 +159,20 @@ class Log:
 
     def to_dataframe(self) -> Any:
         """A pandas DataFrame: index `time`, columns `q.elbow` (or `power`), `attrs` with units and meta."""
-        from cutpoint.simulation.log_frame import frame
+        from cutpoint.simulation.log.frame import frame
 
         return frame(self)
 
     def save(self, path: str | Path) -> None:
         """Writes an .npz or a .csv, as the path's ending says; `Log.load` gives back every number exactly."""
-        from cutpoint.simulation.log_files import save
+        from cutpoint.simulation.log.files import save
 
         save(self, path_of("save", path))
 
     @classmethod
     def load(cls, path: str | Path) -> "Log":
         """A log that `save` wrote.  Raises InputError for a file that is none."""
-        from cutpoint.simulation.log_files import load
+        from cutpoint.simulation.log.files import load
 
         return load(path_of("Log.load", path, "a log"))
 

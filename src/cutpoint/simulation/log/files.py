@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable, check_target_file, replacing
-from cutpoint.simulation.log import Array, Log, column_name
+from cutpoint.simulation.log.log import Array, Log, column_name
 
 VERSION = 1
 

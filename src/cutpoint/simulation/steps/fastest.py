@@ -15,7 +15,7 @@ from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
-from cutpoint.simulation.spring_slopes import stiffest
+from cutpoint.simulation.steps.spring_slopes import stiffest
 
 Array = NDArray[np.float64]
 

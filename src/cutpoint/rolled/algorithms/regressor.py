@@ -9,14 +9,14 @@ from typing import Any
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.bodies.rigid_body import body_regressor
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
-from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.kinematics import world_poses
+from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
+from cutpoint.rolled.algorithms.placing import RATES
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.kinematics import world_poses
 from cutpoint.rolled.kinship import Kinship
-from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, Pass, Steps
-from cutpoint.rolled.placing import RATES
 from cutpoint.scalars import Scalar, where
 
 PARAMETERS = 10

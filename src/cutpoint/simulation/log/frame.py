@@ -3,7 +3,7 @@
 from typing import Any
 
 from cutpoint.errors import CutpointError
-from cutpoint.simulation.log import Log, column_name
+from cutpoint.simulation.log.log import Log, column_name
 
 
 def frame(log: Log) -> Any:

@@ -11,14 +11,14 @@ from cutpoint.mechanics.drives.harmonic_drive import DriveState, static_lead
 from cutpoint.mechanics.drives.strains import UNKNOWN
 from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
-from cutpoint.rolled import coupling
-from cutpoint.rolled.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms import coupling
+from cutpoint.rolled.algorithms.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms.forward import forward_dynamics
+from cutpoint.rolled.algorithms.inverse import inverse_dynamics
+from cutpoint.rolled.algorithms.placing import RATES
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.drives import Model
-from cutpoint.rolled.forward import forward_dynamics
-from cutpoint.rolled.inverse import inverse_dynamics
 from cutpoint.rolled.passes import WITH_RATES, Pass, Steps
-from cutpoint.rolled.placing import RATES
 
 MOTOR = ("motor_torque", "theta", "theta_dot", "theta_ddot", "joint_torque")
 

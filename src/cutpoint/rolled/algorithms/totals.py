@@ -6,12 +6,12 @@ from typing import Any
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
-from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.kinematics import ABOVE
+from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import BASE, Columns
-from cutpoint.rolled.kinematics import ABOVE
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of
 from cutpoint.rolled.passes import PLAIN, Pass, Scalars, Steps
-from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
 

@@ -14,14 +14,14 @@ from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.elastic import DEFAULT, Options
 from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_motion
 from cutpoint.model import Drive
-from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.kinematics import world_poses
+from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
+from cutpoint.rolled.algorithms.placing import RATES
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.kinematics import world_poses
 from cutpoint.rolled.kinship import Kinship
-from cutpoint.rolled.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
-from cutpoint.rolled.placing import RATES
 from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar, where
 

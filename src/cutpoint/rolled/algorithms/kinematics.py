@@ -6,11 +6,11 @@ from cutpoint.definitions import matrix_of
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion, Pose
 from cutpoint.mechanics.kinematics import ExpressedIn
-from cutpoint.rolled.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
+from cutpoint.rolled.algorithms.placing import RATES, placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, pose_of
 from cutpoint.rolled.passes import PLAIN, Order, Pass, Steps
-from cutpoint.rolled.placing import RATES, placing
 from cutpoint.scalars import where
 
 FRAME = {"frame": 13}

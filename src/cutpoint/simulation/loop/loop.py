@@ -20,13 +20,13 @@ from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, rebuild, where
-from cutpoint.simulation.channels import absent_from, recordable, recorded_for
-from cutpoint.simulation.lanes import Lanes
-from cutpoint.simulation.layout import Layout
-from cutpoint.simulation.parameters import Given, law_parameters, parameters_of, with_parameters
+from cutpoint.simulation.log.channels import absent_from, recordable, recorded_for
+from cutpoint.simulation.loop.lanes import Lanes
+from cutpoint.simulation.loop.layout import Layout
+from cutpoint.simulation.loop.parameters import Given, law_parameters, parameters_of, with_parameters
+from cutpoint.simulation.loop.stages import PlantStages
+from cutpoint.simulation.loop.step import TABLEAU
 from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
-from cutpoint.simulation.stages import PlantStages
-from cutpoint.simulation.step import TABLEAU
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]

@@ -8,7 +8,8 @@ from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.bodies.rigid_body import net_wrench_in_crosses
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
 from cutpoint.mechanics.forward_dynamics import coasting
-from cutpoint.rolled.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms.base import base_in, sizes_apart
+from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
     RESISTANCE,
@@ -22,7 +23,6 @@ from cutpoint.rolled.packing import (
     wrench_of,
 )
 from cutpoint.rolled.passes import PLAIN, UPWARD, Pass, Steps
-from cutpoint.rolled.placing import placing
 from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar
 

@@ -18,8 +18,9 @@ from cutpoint.mechanics.linearly_implicit import from_memory, resistance, resist
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.scalars import Angle, Scalar, cos, rebuild, sin, where
-from cutpoint.simulation.lanes import Lanes
-from cutpoint.simulation.layout import Layout
+from cutpoint.simulation.loop.lanes import Lanes
+from cutpoint.simulation.loop.layout import Layout
+from cutpoint.simulation.loop.step import GAMMA, added_speeds, stage
 from cutpoint.simulation.plant import (
     Own,
     all_rates,
@@ -35,7 +36,6 @@ from cutpoint.simulation.plant import (
     settled,
     split,
 )
-from cutpoint.simulation.step import GAMMA, added_speeds, stage
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]

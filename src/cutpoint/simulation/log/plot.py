@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.simulation.log import Array, Log
+from cutpoint.simulation.log.log import Array, Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 """Inches."""

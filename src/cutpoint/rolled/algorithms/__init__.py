@@ -1,0 +1,1 @@
+"""The dynamics as passes over bodies, one file a function."""

@@ -1,0 +1,1 @@
+"""How many integration steps a control period takes."""
