@@ -13,7 +13,7 @@ from cutpoint.kernels import Kernel, compile
 from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
-from cutpoint.mechanics.drives.friction import Coulomb, Grease, Stribeck
+from cutpoint.mechanics.drives.friction import Coulomb, Grease, Sliding, Stribeck
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
@@ -32,9 +32,9 @@ __all__ = [
     "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",
     "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
     "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
-    "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "analysis", "atan", "clip", "compile", "control",
-    "cos", "derivatives", "exp", "formats", "identification", "load", "log", "maximum", "minimum", "robots", "simulate",
-    "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
+    "Sliding", "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "analysis", "atan", "clip", "compile",
+    "control", "cos", "derivatives", "exp", "formats", "identification", "load", "log", "maximum", "minimum", "robots",
+    "simulate", "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
 _SUBPACKAGES = (

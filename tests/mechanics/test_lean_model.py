@@ -10,7 +10,8 @@ import pytest
 from cutpoint import Drive, LinearSpring, Robot, Rotor, definitions
 from cutpoint.functions.compiled import Machine, machine_of
 from cutpoint.kernels import graph_of
-from cutpoint.mechanics.assembly.assembly import lean_framing, placements
+from cutpoint.mechanics.assembly import placements
+from cutpoint.mechanics.assembly.assembly import lean_framing
 from cutpoint.mechanics.assembly.regrouping import UNMOVED
 from cutpoint.mechanics.elastic import Options
 from cutpoint.model import Joint, Link, Mechanism
