@@ -84,6 +84,11 @@ def close_to(name: Any, known: Iterable[str]) -> list[str]:
     return [folded[one] for one in begun or difflib.get_close_matches(asked, folded, MOST_GUESSED)]
 
 
+def counted(count: int, noun: str) -> str:
+    """`1 sample`, `2 samples`."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def listed(names: Iterable[str], separator: str = ", ") -> str:
     """Quoted names for a message; a long list is cut in the middle."""
     quoted = [repr(name) for name in names]

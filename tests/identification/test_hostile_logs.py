@@ -106,7 +106,7 @@ def test_columns_of_empty_lists_are_no_channels(tmp_path: Path):
 def test_an_underscore_makes_a_cell_a_word(tmp_path: Path):
     (tmp_path / "log.csv").write_text("t,q\n0,1_0\n1,2\n2,3\n")
     table = read_table(tmp_path / "log.csv")
-    assert np.isnan(table.channels["q"].values[0]) and "such as '1_0', and count as missing" in table.notes[0]
+    assert np.isnan(table.channels["q"].values[0]) and "such as '1_0', counts as missing" in table.notes[0]
 
 
 def damaged_npz(path: Path, damage: str) -> None:
@@ -268,7 +268,7 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
         ),
         ("sep=\r\nt,q\r\n0,1\r\n", r"the line below the names holds 't,q': .* \(.*log.csv:2\)"),
         ("t,q\n\x1bc,m\n0,1\n", r"the line below the names holds '\\x1bc, m': .* '\\x1bc' is neither"),
-        ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"line has 1 cells: it must have 2, as the line of names \(.*log.csv:5\)"),
+        ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"line has 1 cell: it must have 2, as the line of names \(.*log.csv:5\)"),
         ("t,q\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the line of names \(.*log.csv:3\)"),
         ("t,q,q\n0,1,2\n", r"column 'q' occurs twice: each name must be unique \(.*log.csv:1\)"),
         (

@@ -211,7 +211,7 @@ def test_short_gaps_are_bridged_and_counted(files: Path):
     given = {name: x[kept] for name, x in channels().items()}
     log = Recording(TIME[kept], ("shoulder", "elbow"), **given)
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
-    (said,) = [note for note in found.notes if "were bridged by splines" in note]
+    (said,) = [note for note in found.notes if ", bridged by splines" in note]
     count = int(re.findall(r"(\d+) of 5000 samples", said)[0])
     # two lost samples or more in a row: 0.2 times 0.36 of them, as chance has it
     assert count == pytest.approx(0.2 * 0.36 * TIME.size, rel=0.3)

@@ -100,7 +100,7 @@ def test_files_are_joined_and_notes_name_theirs(files: Path, tmp_path: Path, jit
         logs.append(write_log(tmp_path / name, {**columns, "t": time[kept]}))
     status, words = run(files, logs[0], tmp_path / "out", str(logs[1]))
     assert status == 0
-    assert re.search(r"note: second.csv: .*1 gaps above .* the longest, 0.5\d* s", words)
+    assert re.search(r"note: second.csv: .*1 gap above .* the longest, 0.5\d* s", words)
     assert "first.csv: " not in words
     assert "13 of 13 numbers" in words
 

@@ -100,7 +100,7 @@ def test_words_among_numbers_are_missing_samples_with_a_note(tmp_path: Path, wor
     found = read(tmp_path, HEADER, first, *lines()[1:])
     assert_read(found, missing=1)
     assert np.isnan(found["q"][0]).all()
-    assert found.notes[0] == f"column 'q1': 1 of 200 cells hold text, such as '{word}', and count as missing"
+    assert found.notes[0] == f"column 'q1': text in 1 of 200 cells, such as '{word}', counts as missing"
 
 
 def test_a_column_of_words_is_named_where_it_is_missed(tmp_path: Path):

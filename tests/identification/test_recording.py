@@ -84,7 +84,7 @@ def test_noise_of_uneven_samples_does_not_grow(stamps: Callable[..., np.ndarray]
     assert np.nanstd(found["q"]) < 1.1 * noise.std()
     assert np.nanmax(np.abs(found["q"])) < 1.6 * np.abs(noise).max()
     assert re.search(
-        r"with steps from \S+ to 0.00\d+ s; \d+ samples right after another are averaged with", found.notes[0]
+        r"with steps from \S+ to 0.00\d+ s; averaged with the one right before: \d+ samples", found.notes[0]
     )
     smooth = Recording(time, JOINTS, q=positions(time)).resampled(PERIOD)["q"]
     known = np.isfinite(smooth)

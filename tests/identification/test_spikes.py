@@ -26,7 +26,7 @@ def test_samples_that_stand_alone_are_replaced_by_their_neighbours_and_counted(n
     where = np.random.default_rng(4).choice(calm, 20, replace=False)
     spiked[where, 1] += size
     found = without_spikes(recorded(**{name: spiked}))
-    rule = "20 samples differ from their neighbours over 10 times as much as most; interpolated"
+    rule = "20 spikes, over 10 times as far from the neighbours as most samples; interpolated"
     assert found.notes == (f"{name} of elbow: {rule}",)
     untouched = np.delete(np.arange(TIME.size), where)
     assert np.array_equal(found[name][untouched], clean[untouched])

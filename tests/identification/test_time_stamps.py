@@ -40,7 +40,7 @@ def test_samples_written_twice_count_once():
     twice = np.sort(np.concatenate([np.arange(T.size), np.arange(0, T.size, 3)]))
     found = read(T[twice], Q[twice])
     assert_true(found, T.size)
-    assert found.notes == ("q: 134 samples were written twice; each counts once",)
+    assert found.notes == ("q: written twice and counted once: 134 samples",)
 
 
 def test_samples_without_a_time_or_at_that_of_another_are_left_out_if_they_are_few():
@@ -60,7 +60,7 @@ def test_gaps_are_noted_with_the_longest():
     kept = np.r_[0:100, 101:200, 230:400]
     found = read(T[kept], Q[kept])
     assert_true(found, kept.size)
-    assert found.notes == ("q: 1 gaps above 0.0025 s; the longest, 0.031 s, is at 0.199 s",)
+    assert found.notes == ("q: 1 gap above 0.0025 s; the longest, 0.031 s, is at 0.199 s",)
 
 
 def test_a_clock_that_leaps_ahead_leaves_ten_seconds_of_which_nothing_is_known():
@@ -68,7 +68,7 @@ def test_a_clock_that_leaps_ahead_leaves_ten_seconds_of_which_nothing_is_known()
     assert np.allclose(leapt.time, T + np.where(np.arange(T.size) < 250, 0.0, 10.0 - 1e-3), rtol=0.0, atol=1e-9)
     assert np.array_equal(leapt["q"], Q)
     assert leapt.notes[1] == (
-        "time: 1 gaps above 10 s, the first of 3600 s at 0.249 s; each was cut to 10 s, and later samples were moved "
+        "time: 1 gap above 10 s, the first of 3600 s at 0.249 s; each was cut to 10 s, and later samples were moved "
         "earlier"
     )
     assert np.isfinite(leapt.resampled(1e-3)["q"]).sum() == Q.size
@@ -126,5 +126,5 @@ def test_stamps_closer_than_any_log_has_them_are_noted():
 
 @pytest.mark.parametrize("count", [2, 3])
 def test_too_few_samples_are_refused(count: int):
-    with pytest.raises(InputError, match=rf"q: {count} samples are too few: at least 4 are needed"):
+    with pytest.raises(InputError, match=rf"q: only {count} samples: at least 4 are needed"):
         read(T[:count], Q[:count])

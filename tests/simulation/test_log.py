@@ -467,7 +467,7 @@ def test_an_npz_cut_short_is_refused(tmp_path: Path, keep: float):
         ),
         (
             f"# {header()}\ntime [s],q.a [rad]\n0,1\n1\n",
-            "line 4 has 1 cells, but must have 2 like the line of titles; copy",
+            "line 4 has 1 cell, but must have 2 like the line of titles; copy",
         ),
         (f"# {header()}\ntime [s],q.a [rad]\n0,1\n1,0.2", "line 4 has no end: the file was cut off; copy"),
         (f"# {header()}\ntime [s],q.a [rad]\n0,b\n", "line 3: could not convert string to float: 'b'"),

@@ -12,7 +12,7 @@ from rich.console import Console
 from typer.core import TyperGroup
 
 import cutpoint
-from cutpoint.errors import INTERRUPTED, InputError
+from cutpoint.errors import INTERRUPTED, InputError, counted
 from cutpoint.files import check_target_file, save_figure
 
 if TYPE_CHECKING:
@@ -195,7 +195,8 @@ def _listed(option: str, text: str, count: int) -> Any:
     except ValueError:
         raise InputError(f"--{option} {text!r} must be numbers separated by commas, such as 0,0.5,-1.2") from None
     if len(numbers) != count:
-        raise InputError(f"--{option} has {len(numbers)} numbers but the robot has {count} joints: give one for each")
+        found = f"--{option} has {counted(len(numbers), 'number')}"
+        raise InputError(f"{found}, but the robot has {counted(count, 'joint')}: give one for each")
     if not np.isfinite(numbers).all():
         k = int((~np.isfinite(numbers)).argmax())
         raise InputError(f"--{option}: number {k + 1} of {count} is {numbers[k]}; all must be finite")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.door import checked_names, path_of
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError, counted, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.validation import DEGREES_BEYOND
 from cutpoint.trajectories.samples import Smoothed, from_samples
@@ -141,7 +141,7 @@ def _column(cell: str, place: str) -> Column:
 def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
     if len(cells) != 1 + len(columns):
         rule = f"it must have {1 + len(columns)}, as the first line"
-        raise InputError(f"line has {len(cells)} cells: {rule}", place=place)
+        raise InputError(f"line has {counted(len(cells), 'cell')}: {rule}", place=place)
     time = _number(cells[0], "time", place)
     return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cutpoint.errors import counted
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import on_grid
 
@@ -27,5 +28,5 @@ def bridged(recording: Recording, even: Recording) -> Recording:
     if not made.any():
         return even
     gaps = int((np.diff(made.astype(int), prepend=0) == 1).sum())
-    rule = f"{gaps} gaps of at most {LOST} samples and {LONGEST:g} s were bridged by splines"
+    rule = f"{counted(gaps, 'gap')} of at most {LOST} samples and {LONGEST:g} s, bridged by splines"
     return filled.with_notes([f"{rule}: {made.sum()} of {made.size} samples, which the intervals treat as measured"])

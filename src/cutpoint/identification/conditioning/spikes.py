@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter
 
+from cutpoint.errors import counted
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import GAP
 
@@ -37,7 +38,7 @@ def without_spikes(recording: Recording) -> Recording:
     for name, values in channels.items():
         for joint, column in zip(recording.joints, values.T, strict=True):
             if count := _mended(recording.time, column):
-                rule = f"{count} samples differ from their neighbours over {FAR:g} times as much as most"
+                rule = f"{counted(count, 'spike')}, over {FAR:g} times as far from the neighbours as most samples"
                 notes.append(f"{name} of {joint}: {rule}; interpolated")
     return replace(recording, **channels).with_notes(notes) if notes else recording
 

@@ -7,6 +7,7 @@ from collections import Counter
 
 import numpy as np
 
+from cutpoint.errors import counted
 from cutpoint.identification.logs.table import Channel, Table
 
 UNKNOWN = ("", "nan", "null", "none", "na", "n/a")
@@ -92,6 +93,6 @@ class Cells:
                 continue
             channels[name] = Channel(table[:, k], (), "s" if k in self.starts else units[k])
             if count:
-                cells = f"{count} of {self.count} cells hold text, such as {example!r}"
-                notes.append(f"column {name!r}: {cells}, and count as missing")
+                cells = f"text in {count} of {counted(self.count, 'cell')}, such as {example!r}"
+                notes.append(f"column {name!r}: {cells}, counts as missing")
         return Table(file, channels, left_out, tuple(notes))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import listed
+from cutpoint.errors import counted, listed
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.identification.logs.units import COUNTS, SLIDING, TURNING, UNITS
@@ -68,9 +68,8 @@ def picked(name: str, columns: Columns, joints: Sequence[str], mapping: ChannelM
         return Columns(columns.values[:, chosen], tuple(joints), units, columns.stamps)
     if columns.values.shape[1] != len(joints) or set(joints) & set(columns.labels):
         shown = f", labelled {listed(columns.labels)}" if columns.labels else ""
-        complaint = (
-            f"{name} has {columns.values.shape[1]} columns{shown}: it must have one for each of {', '.join(joints)}"
-        )
+        found = f"{name} has {counted(columns.values.shape[1], 'column')}{shown}"
+        complaint = f"{found}: it must have one for each of {', '.join(joints)}"
         raise mapping.section.error((name, "channels"), complaint)
     return columns
 

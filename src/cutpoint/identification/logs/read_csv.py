@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TextIO
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.files import check_readable
 from cutpoint.identification.logs.csv_cells import Cells, split
 from cutpoint.identification.logs.csv_header import COMMENTS, Header, read_header, units_below
@@ -42,7 +42,7 @@ def _read(text: TextIO, path: Path) -> Table:
     for count, (line, row) in enumerate(_rows(header)):
         if cut_off or len(row) > cells.width:
             line, found = cut_off or (line, len(row))
-            rule = f"line has {found} cells: it must have {cells.width}, as the line of names"
+            rule = f"line has {counted(found, 'cell')}: it must have {cells.width}, as the line of names"
             raise InputError(rule, place=f"{path}:{line}")
         if len(row) < cells.width:
             cut_off = line, len(row)
@@ -53,7 +53,7 @@ def _read(text: TextIO, path: Path) -> Table:
         else:
             cells.add(row)
     if cells.count < 2:
-        rule = f"file holds {cells.count} samples below the line of names: at least 2 are needed"
+        rule = f"file holds {counted(cells.count, 'sample')} below the line of names: at least 2 are needed"
         raise InputError(rule, place=path)
     notes: list[str] = []
     if cut_off:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import InputError, ModelError, listed, those_that_exist
+from cutpoint.errors import InputError, ModelError, counted, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
@@ -88,7 +88,8 @@ def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[s
 def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) -> ModelError:
     """Error for columns without joint names, in another number than the robot's joints."""
     name, sheet = next(iter(mapping.quantities.items()))
-    rule = f"{name} has {wide} columns, but the robot has {len(driven)} driven joints, {listed(driven)}"
+    joints = f"{counted(len(driven), 'driven joint')}, {listed(driven)}"
+    rule = f"{name} has {counted(wide, 'column')}, but the robot has {joints}"
     if wide < len(driven):
         return mapping.section.error(("joints",), f"{rule}; state whose they are as 'joints' in the mapping")
     extra = sheet.channels[len(driven) :] if len(sheet.channels) == wide else ()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.door import as_numbers, check_kind, checked_name, checked_names, number
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError, counted, unknown_name
 from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
 
 Array = NDArray[np.float64]
@@ -65,7 +65,8 @@ class Recording:
 
     def __repr__(self) -> str:
         span = f"{self.time.size} samples over {self.time[-1] - self.time[0]:g} s"
-        return f"Recording({span}: {', '.join(self.channels)} of {', '.join(self.joints)}; {len(self.notes)} notes)"
+        notes = counted(len(self.notes), "note")
+        return f"Recording({span}: {', '.join(self.channels)} of {', '.join(self.joints)}; {notes})"
 
     @property
     def channels(self) -> dict[str, Array]:
@@ -108,7 +109,7 @@ class Recording:
         if np.ptp(steps) > UNEVEN * np.median(steps):
             note += f", with steps from {steps.min():.3g} to {steps.max():.3g} s"
         if near := int(close(self.time).sum()):
-            note += f"; {near} samples right after another are averaged with it"
+            note += f"; averaged with the one right before: {counted(near, 'sample')}"
         return self.with_channels(lambda values: on_grid(self.time, values, grid), time=grid).with_notes([note])
 
     def joint(self, name: str) -> "Recording":

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.units import TIMES
 
@@ -69,7 +69,7 @@ def without_long_gaps(times: Array, notes: list[str]) -> Array:
     if not far.any():
         return times
     first = int(np.argmax(far))
-    found = f"{far.sum()} gaps above {kept:.3g} s, the first of {steps[first]:.6g} s at {times[first]:.6g} s"
+    found = f"{counted(far.sum(), 'gap')} above {kept:.3g} s, the first of {steps[first]:.6g} s at {times[first]:.6g} s"
     notes.append(f"time: {found}; each was cut to {kept:.3g} s, and later samples were moved earlier")
     return times - np.concatenate([[0.0], np.cumsum(np.where(far, steps - kept, 0.0))])
 
@@ -83,7 +83,7 @@ def _finite(stamps: Array, name: str, notes: list[str]) -> NDArray[np.intp]:
 def _enough(rows: NDArray[np.intp], name: str) -> NDArray[np.intp]:
     """The rows.  Raises InputError if they are too few."""
     if rows.size < FEWEST:
-        raise InputError(f"{name}: {rows.size} samples are too few: at least {FEWEST} are needed")
+        raise InputError(f"{name}: only {counted(rows.size, 'sample')}: at least {FEWEST} are needed")
     return rows
 
 
@@ -108,7 +108,7 @@ def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, note
     again = np.flatnonzero(np.diff(stamps[rows]) == 0.0) + 1
     same = [k for k in again if np.array_equal(values[rows[k]], values[rows[k - 1]], equal_nan=True)]
     if same:
-        notes.append(f"{name}: {len(same)} samples were written twice; each counts once")
+        notes.append(f"{name}: written twice and counted once: {counted(len(same), 'sample')}")
         rows = np.delete(rows, same)
     steps = np.diff(stamps[rows])
     if not (steps > 0.0).any():
@@ -139,7 +139,7 @@ def _remark(times: Array, name: str, notes: list[str]) -> None:
     if gaps.size:
         worst = int(np.argmax(steps))
         notes.append(
-            f"{name}: {gaps.size} gaps above {longest:.3g} s; "
+            f"{name}: {counted(gaps.size, 'gap')} above {longest:.3g} s; "
             f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
         )
     if period < FAST:

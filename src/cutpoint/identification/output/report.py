@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.errors import counted
 from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
@@ -28,7 +29,7 @@ def _heading(found: Identification) -> Heading:
     recording, told = found.recording, sum(number.told for number in found.numbers)
     span = float(recording.time[-1] - recording.time[0])
     joints = len(found.robot.joints)
-    about = f"{found.robot.name}: {joints} joints, a log of {span:.4g} s, {recording.time.size} samples"
+    about = f"{found.robot.name}: {counted(joints, 'joint')}, a log of {span:.4g} s, {recording.time.size} samples"
     held = f"{found.errors.held_out.mean():.0%} of the log, at its end, was held out of the fit."
     return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
 

@@ -18,7 +18,7 @@ from typing import IO, Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.files import check_readable, check_target_file, replacing
 from cutpoint.simulation.log.log import Array, Log, column_name
 
@@ -193,7 +193,9 @@ def _numbers(cells: list[str], width: int, line: int) -> list[float]:
     """A line's numbers.  Raises ValueError, with the line, for a wrong number of cells, or a cell without a number."""
     if len(cells) != width:
         rule = "copy the file again, or remove that line"
-        raise ValueError(f"line {line} has {len(cells)} cells, but must have {width} like the line of titles; {rule}")
+        raise ValueError(
+            f"line {line} has {counted(len(cells), 'cell')}, but must have {width} like the line of titles; {rule}"
+        )
     try:
         if any("_" in cell for cell in cells):  # Python takes 1_000 for a number
             raise ValueError(f"{next(cell for cell in cells if '_' in cell)!r} is not a number")
