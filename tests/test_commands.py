@@ -475,6 +475,18 @@ def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.Monke
         CliRunner().invoke(app, ["inspect", "arm.xml", "--mend-inertia"], catch_exceptions=False)
 
 
+def test_xacro_files_take_arguments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = ONE_JOINT.format(joint="$(arg side)_swing").replace(
+        "<robot ", '<robot xmlns:xacro="http://ros.org/wiki/xacro" '
+    )
+    Path("arm.urdf.xacro").write_text(text, encoding="utf-8")
+    assert "left_swing" in printed("inspect", "arm.urdf.xacro", "--xacro", "side:=left")
+    for wrong in ("side=left", ":=left"):
+        with pytest.raises(InputError, match=rf"--xacro '{wrong}' must be NAME:=VALUE, such as ur_type:=ur10e"):
+            CliRunner().invoke(app, ["inspect", "arm.urdf.xacro", "--xacro", wrong], catch_exceptions=False)
+
+
 def test_a_joint_is_locked_at_one_place() -> None:
     with pytest.raises(InputError, match=r"--lock 'joint2=0.2': 'joint2' is already locked at 0.1; give one position"):
         twice = ["--lock=joint2=0.1", "--lock=joint2=0.2"]

@@ -55,13 +55,13 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
     array = as_numbers(function, name, value, f"numbers of shape (..., {size})" if isinstance(size, int) else "numbers")
     if isinstance(size, int) and (not array.ndim or array.shape[-1] != size):
         raise InputError(
-            f"{function}: {name} has shape {array.shape}, its last axis must be {size}", name=name, shape=array.shape
+            f"{function}: {name} has shape {array.shape}: its last axis must be {size}", name=name, shape=array.shape
         )
     if array.size and not (array.min() >= -LARGEST and array.max() <= LARGEST):
         where = tuple(int(i) for i in np.argwhere(~(np.abs(array) <= LARGEST))[0])
         place = f"{name}[{', '.join(map(str, where))}]" if where else name
         rule = "every number must be finite" + (f" and within {LARGEST:g}" if np.isfinite(array[where]) else "")
-        raise InputError(f"{function}: {place} is {array[where]}, {rule}", name=name, index=where)
+        raise InputError(f"{function}: {place} is {array[where]}: {rule}", name=name, index=where)
     return array
 
 

@@ -30,6 +30,7 @@ def load(
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
     mend_inertia: bool = False,
+    xacro: Mapping[str, str] | None = None,
     backend: Backend = "auto",
 ) -> Robot:
     """A robot from a URDF (.urdf, .xacro) or MJCF (.mjcf, .xml) file, its drives from a drive file: docs/drive-file.md.
@@ -41,11 +42,13 @@ def load(
     backend: how kernels are compiled.
     Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
     "coupled" to their leader; mend_inertia adds to inertias that no mass can have what they lack, and warns of it.
+    xacro: arguments of a .xacro file, as in {"ur_type": "ur10e"}.
     Raises ModelError, with file and line, for whatever is wrong in the files.
     """
     path = path_of("load", path, "a robot file")
     check_kind("load", "drives", drives, (str, PathLike, Mapping, NoneType), f"the path of a drive file, or {DRIVES}")
     check_kind("load", "lock", lock, (Mapping, NoneType), "a coordinate for each joint that is held, by name")
+    check_kind("load", "xacro", xacro, (Mapping, NoneType), "arguments of a .xacro file, by name")
     suffix = path.suffix.lower()
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
@@ -54,6 +57,7 @@ def load(
             "lock": lock,
             "mimic": mimic,
             "mend_inertia": mend_inertia,
+            "xacro": xacro,
         }
         mechanism = load_urdf(path, gravity=fall, **options)
         return Robot(mechanism, _drives(mechanism, {}, drives, lock or {}), backend=backend)
@@ -61,6 +65,8 @@ def load(
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     if floating_base or mimic != "independent":
         raise InputError("load: floating_base and mimic are for URDF files; an MJCF file itself says what floats")
+    if xacro:
+        raise InputError(f"load: xacro={xacro!r} is for .xacro files, got {str(path)!r}")
     if mend_inertia:
         raise InputError(
             'load: mend_inertia is for URDF files; state <compiler balanceinertia="true"/> in an MJCF file'

@@ -94,10 +94,10 @@ AT = np.zeros((3, 6))
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"theta": np.zeros(5)}, r"torque_bound: theta has shape \(5,\), its last axis must be 6"),
+        ({"theta": np.zeros(5)}, r"torque_bound: theta has shape \(5,\): its last axis must be 6"),
         ({"q": np.zeros((2, 6))}, r"shapes do not fit together: theta \(3, 6\), q \(2, 6\), winding_speed \(6,\)"),
         ({"q": None}, r"torque_bound: q must be numbers of shape \(\.\.\., 6\), got None"),
-        ({"theta": np.full(6, np.nan)}, r"theta\[0\] is nan, every number must be finite"),
+        ({"theta": np.full(6, np.nan)}, r"theta\[0\] is nan: every number must be finite"),
         (
             {"theta": AT[0], "q": AT[0], "record": True},
             r"readings have shape \(6,\), those of a motion are \(N, drives\)",
@@ -117,7 +117,7 @@ def test_readings_that_make_no_sense_are_refused(given, message):
 def test_motions_that_make_no_sense_are_refused():
     with pytest.raises(InputError, match=r"followed_hysteresis: readings have shape \(6,\), those of a motion are"):
         followed_hysteresis(robot("xia2019"), AT[0], AT[0])
-    with pytest.raises(InputError, match=r"followed_hysteresis: q has shape \(3, 5\), its last axis must be 6"):
+    with pytest.raises(InputError, match=r"followed_hysteresis: q has shape \(3, 5\): its last axis must be 6"):
         followed_hysteresis(robot("xia2019"), AT, AT[:, :5])
     assert followed_hysteresis(robot("xia2019"), AT[:0], AT[:0]).shape == (0, 6)
 

@@ -2,13 +2,16 @@
 
 import sys
 import warnings
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from urdf_text import ARM, joint, link, robot
 
+import cutpoint
 from cutpoint import Drive, Robot
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import DegreesWarning, MimicWarning, NotCarriedOver, load_urdf, parse_urdf
@@ -192,20 +195,54 @@ def test_a_xacro_file_that_cannot_be_expanded_says_why(tmp_path: Path) -> None:
         load_urdf(path)
 
 
-def test_a_xacro_file_that_needs_ros_says_where_to_expand_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "ament_index_python", None)
-    monkeypatch.setitem(sys.modules, "ament_index_python.packages", None)
+@pytest.mark.parametrize("home", ["arm_description", "arm_parts"])
+def test_packages_around_a_xacro_file_are_found_without_ros(tmp_path: Path, home: str) -> None:
+    """The one that holds the file, whatever its folder is called, and one beside it."""
+    for folder, name in {"cloned": "arm_description", "arm_parts": "arm_parts"}.items():
+        (tmp_path / folder / "urdf").mkdir(parents=True)
+        (tmp_path / folder / "package.xml").write_text(f'<package format="3">\n  <name>{name}</name></package>')
+    parts = f"{link('base')}{link('arm')}{joint('elbow', 'base', 'arm')}"
+    folder = "cloned" if home == "arm_description" else home
+    (tmp_path / folder / "parts.xacro").write_text(f"<robot {XACRO}>{parts}</robot>")
+    path = tmp_path / "cloned" / "urdf" / "arm.urdf.xacro"
+    path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find {home})/parts.xacro"/></robot>')
+    assert load_urdf(path).bodies[0].joint.name == "elbow"
+    assert "ament_index_python" not in sys.modules
+
+
+def test_where_ros_is_it_knows_the_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ros = ModuleType("ament_index_python")
+    ros.__spec__ = ModuleSpec(ros.__name__, None)
+    packages = ModuleType("ament_index_python.packages")
+    packages.get_package_share_directory = lambda name: str(tmp_path / "installed" / name)
+    monkeypatch.setitem(sys.modules, ros.__name__, ros)
+    monkeypatch.setitem(sys.modules, packages.__name__, packages)
+    (tmp_path / "installed" / "arm").mkdir(parents=True)
+    (tmp_path / "installed" / "arm" / "arm.xacro").write_text(f"<robot>{link('base')}</robot>")
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find arm)/arm.xacro"/></robot>')
-    with pytest.raises(ModelError, match=r"needs ROS: expand it where ROS is, xacro arm\.urdf\.xacro > arm\.urdf, and"):
-        load_urdf(path)
+    assert not load_urdf(path).bodies
 
 
-def test_a_xacro_file_that_needs_arguments_says_how_to_state_them(tmp_path: Path) -> None:
+def test_a_package_that_nobody_knows_is_named(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
-    path.write_text(f'<robot name="$(arg name)" {XACRO}/>')
-    with pytest.raises(ModelError, match=r"; set its arguments, xacro arm\.urdf\.xacro NAME:=VALUE > arm\.urdf, and"):
+    path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find arm)/arm.xacro"/></robot>')
+    rule = r"no folder around this file is the package 'arm', and ROS, .* is not installed; put .*arm\.urdf\.xacro"
+    with pytest.raises(ModelError, match=rule):
         load_urdf(path)
+
+
+def test_a_xacro_file_takes_arguments(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text(f'<robot name="$(arg name)" {XACRO}>{link("base")}</robot>')
+    assert load_urdf(path, xacro={"name": "hand"}).name == "hand"
+    rule = r"argument name; give it: load\(\.\.\., xacro={'name': \.\.\.}\), --xacro name:=VALUE"
+    with pytest.raises(ModelError, match=rule):
+        load_urdf(path)
+    plain = tmp_path / "arm.urdf"
+    plain.write_text(one_joint())
+    with pytest.raises(InputError, match=r"arguments 'name' are for \.xacro files, got .*arm\.urdf"):
+        cutpoint.load(plain, xacro={"name": "hand"})
 
 
 def test_a_namespace_of_all_elements_changes_nothing() -> None:

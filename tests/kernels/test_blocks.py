@@ -139,7 +139,7 @@ def test_what_does_not_fit_is_explained() -> None:
     blocks, width = kernel.blocks, kernel.blocks.width
     good = np.zeros((3, 2, width))
     for wrong in (np.zeros((3, 2)), np.zeros((3, 2, width + 1)), np.zeros((3, 4, width))):
-        with pytest.raises(InputError, match=rf"pair: x has shape .*, its last axes must be \(2, {width}\)"):
+        with pytest.raises(InputError, match=rf"pair: x has shape .*: its last axes must be \(2, {width}\)"):
             blocks(wrong)
     with pytest.raises(InputError, match=r"pair: x missing"):
         blocks()

@@ -325,7 +325,7 @@ def test_a_launch_in_single_precision_gives_the_bits_of_machine_code(stand_in: S
 
 def test_shapes_that_do_not_fit_are_refused(stand_in: StandIn) -> None:
     function = compile(both, name="law", q=2, v=(), M=(2, 3)).on_gpu()
-    with pytest.raises(InputError, match=r"law: q has shape \(3,\), its last axis must be 2"):
+    with pytest.raises(InputError, match=r"law: q has shape \(3,\): its last axis must be 2"):
         function(np.zeros(3), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match=r"law: leading axes do not broadcast: q \(4,\), v \(3,\), M \(\)"):
         function(np.zeros((4, 2)), np.zeros(3), np.zeros((2, 3)))

@@ -133,7 +133,7 @@ def test_what_is_no_real_number_is_refused(kernel: Kernel) -> None:
         kernel(q * 1j, v, M)
     with pytest.raises(InputError, match="v holds <U1, but must hold real numbers"):
         kernel(q, "x", M)
-    with pytest.raises(InputError, match=r"q has shape \(6,\), its last axis must be 7"):
+    with pytest.raises(InputError, match=r"q has shape \(6,\): its last axis must be 7"):
         kernel(q[:6], v, M)
 
 

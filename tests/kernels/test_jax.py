@@ -188,7 +188,7 @@ def test_threads_may_call_at_the_same_time(kernel: Kernel, function: Any) -> Non
 
 
 def test_arguments_that_do_not_fit_are_refused(function: Any) -> None:
-    with pytest.raises(InputError, match=r"both: q has shape \(3,\), its last axis must be 2"):
+    with pytest.raises(InputError, match=r"both: q has shape \(3,\): its last axis must be 2"):
         function(np.zeros(3), 0.0, np.zeros((2, 3)))
     with pytest.raises(InputError, match=r"both: leading axes do not broadcast: q \(4,\), v \(3,\), M \(\)"):
         function(np.zeros((4, 2)), np.zeros(3), np.zeros((2, 3)))

@@ -24,10 +24,10 @@ def kernel(request: pytest.FixtureRequest) -> Kernel:
 
 T = np.zeros((2, 3))
 CALLS: list[tuple[Callable[[Kernel], Any], str]] = [
-    (lambda k: k(np.zeros(5), 0, T), "inverse_dynamics: q has shape (5,), its last axis must be 6"),
-    (lambda k: k(1.0, 0, T), "inverse_dynamics: q has shape (), its last axis must be 6"),
-    (lambda k: k(np.zeros((6, 1)), 0, T), "q has shape (6, 1), its last axis must be 6"),
-    (lambda k: k(ZEROS, 0, T.T), "T has shape (3, 2), its last axes must be (2, 3)"),
+    (lambda k: k(np.zeros(5), 0, T), "inverse_dynamics: q has shape (5,): its last axis must be 6"),
+    (lambda k: k(1.0, 0, T), "inverse_dynamics: q has shape (): its last axis must be 6"),
+    (lambda k: k(np.zeros((6, 1)), 0, T), "q has shape (6, 1): its last axis must be 6"),
+    (lambda k: k(ZEROS, 0, T.T), "T has shape (3, 2): its last axes must be (2, 3)"),
     (lambda k: k(ZEROS, np.zeros(3), T), "leading axes do not broadcast: q (4,), v (3,), T ()"),
     (lambda k: k(ZEROS, 0), "T missing; it takes q, v, T"),
     (lambda k: k(ZEROS, 0, T, T), "4 arguments given, but it takes 3: q, v, T"),

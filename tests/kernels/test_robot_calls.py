@@ -86,10 +86,10 @@ def test_a_number_that_is_not_finite_is_named_in_every_call(name: str, x: float)
         for index in range((arm.nq, arm.nv)[k]):
             q, v = (a[0] for a in given(arm, 1)[:2])
             (q, v)[k][index] = x
-            with pytest.raises(InputError, match=rf"integrate: {key}\[{index}\] is {x}, every number must be finite"):
+            with pytest.raises(InputError, match=rf"integrate: {key}\[{index}\] is {x}: every number must be finite"):
                 arm.integrate(q, v, 0.1)
     q, v = (a[0] for a in given(arm, 1)[:2])
-    with pytest.raises(InputError, match=rf"integrate: dt is {x}, every number"):
+    with pytest.raises(InputError, match=rf"integrate: dt is {x}: every number"):
         arm.integrate(q, v, x)
 
 

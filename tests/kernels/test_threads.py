@@ -132,7 +132,7 @@ def test_an_error_on_any_thread_is_raised_when_all_have_stopped(where: bool) -> 
 
 
 def test_what_does_not_fit_is_explained_as_ever(kernel: Kernel) -> None:
-    with pytest.raises(InputError, match=r"q has shape \(100, 2\), its last axis must be 3"):
+    with pytest.raises(InputError, match=r"q has shape \(100, 2\): its last axis must be 3"):
         kernel(np.zeros((100, 2)), 0.0, threads=2)
     with pytest.raises(InputError, match=r"leading axes do not broadcast"):
         kernel(np.zeros((100, 3)), np.zeros(99), threads=2)

@@ -218,9 +218,9 @@ def test_a_robot_that_nothing_takes_is_told_why() -> None:
 def test_wrong_input_of_elastic_loops_is_explained() -> None:
     function, given = looping(robot("tree of 11", "springs"), INVERSE), np.ones((5, 11))
     given[3, 4] = np.nan
-    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: jerk\[4\] is nan, every number must be finite"):
+    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: jerk\[4\] is nan: every number must be finite"):
         function(*given)
-    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: snap has shape \(10,\), its last axis must be 11"):
+    with pytest.raises(InputError, match=r"elastic_inverse_dynamics: snap has shape \(10,\): its last axis must be 11"):
         function(*np.ones((4, 11)), np.ones(10))
 
 

@@ -61,7 +61,7 @@ def test_a_batch_is_its_rows_and_times_may_differ() -> None:
 
 def test_what_does_not_fit_is_named() -> None:
     robot = driven(CHAIN)
-    with pytest.raises(InputError, match=rf"integrate: q has shape \({SIZE - 1},\), its last axis must be {SIZE}"):
+    with pytest.raises(InputError, match=rf"integrate: q has shape \({SIZE - 1},\): its last axis must be {SIZE}"):
         robot.integrate(np.zeros(SIZE - 1), np.zeros(SIZE), 0.1)
     with pytest.raises(InputError, match=r"friction_torques: v\[7\] is nan"):
         robot.friction_torques(np.where(np.arange(SIZE) == 7, np.nan, 0.0))

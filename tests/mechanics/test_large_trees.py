@@ -231,11 +231,11 @@ def test_batches_in_any_layout_are_their_configurations_bit_by_bit(name: str, co
 def test_wrong_input_is_explained() -> None:
     robot = Robot(chain(100))
     q, v, a = states(robot)
-    with pytest.raises(InputError, match=r"inverse_dynamics: v has shape \(99,\), its last axis must be 100"):
+    with pytest.raises(InputError, match=r"inverse_dynamics: v has shape \(99,\): its last axis must be 100"):
         robot.inverse_dynamics(q, v[:99], a)
-    with pytest.raises(InputError, match=r"inverse_dynamics: a has shape \(1,\), its last axis must be 100"):
+    with pytest.raises(InputError, match=r"inverse_dynamics: a has shape \(1,\): its last axis must be 100"):
         robot.inverse_dynamics(q, v, a[:1])
-    with pytest.raises(InputError, match=r"forward_dynamics: tau\[3\] is nan, every number must be finite"):
+    with pytest.raises(InputError, match=r"forward_dynamics: tau\[3\] is nan: every number must be finite"):
         robot.forward_dynamics(q, v, np.where(np.arange(100) == 3, np.nan, a))
     rows = states(robot, 20)
     rows[1, 17, 4] = -1e16

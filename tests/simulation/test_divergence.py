@@ -154,7 +154,7 @@ def test_an_error_in_a_controller_is_the_users_own():
         ({"duration": 1.0, "substeps": 0}, "substeps 0 must be a whole number, at least 1"),
         ({"duration": 1.0, "substeps": 10**12}, r"substeps 1e\+12 must be at most 100,000; leave it out"),
         ({"duration": 1.0, "substeps": 2.5}, "substeps 2.5 must be a whole number, at least 1"),
-        ({"duration": 1.0, "initial": State(q=np.zeros(5))}, "initial.q has shape .5,., its last axis must be 6"),
+        ({"duration": 1.0, "initial": State(q=np.zeros(5))}, "initial.q has shape .5,.: its last axis must be 6"),
         ({"duration": 1.0, "initial": State(v=[0, 0, np.nan, 0, 0, 0])}, r"initial.v\[2\] is nan"),
         ({"duration": 1.0, "disturbances": lambda t: np.zeros((3, 6))}, "disturbances.times. has shape .3, 6."),
         ({"duration": 1.0, "controller": PD([1.0] * 5, [1.0] * 5)}, "PD is for 5 drives, but the robot has 6"),

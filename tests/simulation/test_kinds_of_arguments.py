@@ -82,9 +82,9 @@ def test_a_run_has_one_start(part, size, law):
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda t: [1, 2], r"has shape \(2,\), its last axis must be 6"),
+        (lambda t: [1, 2], r"has shape \(2,\): its last axis must be 6"),
         (lambda t: np.zeros((3, len(t), 6)), r"has shape \(3, 21, 6\): it must be \(5, 21, 6\): position"),
-        (lambda t: np.full((5, len(t), 6), np.nan), r"\[0, 0, 0\] is nan, every number must be finite"),
+        (lambda t: np.full((5, len(t), 6), np.nan), r"\[0, 0, 0\] is nan: every number must be finite"),
         (lambda t: "no", "must be numbers of shape"),
     ],
 )

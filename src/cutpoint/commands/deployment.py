@@ -14,6 +14,7 @@ from cutpoint.commands.shared import (
     MendInertia,
     Mimics,
     RobotFile,
+    Xacro,
     app,
     robot_of,
     say_path,
@@ -65,6 +66,7 @@ def export(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
     expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
@@ -84,7 +86,7 @@ def export(
         {"--feedforward": feedforward, "--guard": guard or None, "--bandwidth": bandwidth, "--period": period},
         {"--frame": frame, "--expressed-in": expressed_in, "--to cuda": to if to == "cuda" else None},
     )
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro, floating_base=floating_base)
     if law is not None:
         bandwidth = BANDWIDTH if bandwidth is None else bandwidth
         period = PERIOD if period is None else period

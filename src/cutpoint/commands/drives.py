@@ -15,6 +15,7 @@ from cutpoint.commands.shared import (
     Mimics,
     RobotFile,
     Smoothing,
+    Xacro,
     app,
     check_target,
     check_targets,
@@ -42,6 +43,7 @@ def check(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     smoothing: Smoothing = None,
     dwell: Annotated[float, typer.Option(help="Pause at the last position after the motion, s.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
@@ -60,7 +62,7 @@ def check(
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     cycle = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:

@@ -13,6 +13,7 @@ from cutpoint.commands.shared import (
     MendInertia,
     Mimics,
     RobotFile,
+    Xacro,
     app,
     console,
     robot_of,
@@ -34,6 +35,7 @@ def excite(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     duration: Annotated[float, typer.Option(help="Duration of the motion, s: a whole number of its periods.")] = 10.0,
     harmonics: Annotated[int, typer.Option(help="Harmonics of the base frequency in each joint; at least 3.")] = 5,
     base_frequency: Annotated[
@@ -78,7 +80,7 @@ def excite(
     from cutpoint.identification import excitation
     from cutpoint.identification.excitation.table import FILES, save, table_of
 
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     boxes = _boxes(loaded, box, frame)
     check_target_folder(output, "--output")
     found = excitation(
@@ -118,6 +120,7 @@ def identify(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     output: Annotated[
         Path,
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
@@ -175,7 +178,7 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
         loaded, logs, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,

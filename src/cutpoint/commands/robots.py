@@ -18,6 +18,7 @@ from cutpoint.commands.shared import (
     Mimics,
     RobotFile,
     Smoothing,
+    Xacro,
     app,
     check_targets,
     console,
@@ -53,10 +54,11 @@ def inspect(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     floating_base: FloatingBase = False,
 ) -> None:
     """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, floating_base=floating_base)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro, floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
     console.print(f"frames: {', '.join(map(repr, loaded.frames))}", highlight=False)
@@ -81,6 +83,7 @@ def simulate(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     law: Law = "PD",
     bandwidth: Bandwidth = BANDWIDTH,
     feedforward: Feed = None,
@@ -93,7 +96,7 @@ def simulate(
 ) -> None:
     """Simulate a robot under a control law, along a file's motion or a rest-to-rest cycloid; report the errors."""
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     controller = law_of(loaded, law, bandwidth, feedforward, period)
     try:
@@ -123,6 +126,7 @@ def modes(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     friction: Annotated[
         bool,
         typer.Option(
@@ -135,7 +139,7 @@ def modes(
 ) -> None:
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)

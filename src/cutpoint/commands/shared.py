@@ -90,6 +90,10 @@ MendInertia = Annotated[
         "--mend-inertia", metavar="", help="Enlarge physically impossible inertias of a URDF by what they lack."
     ),
 ]
+Xacro = Annotated[
+    list[str] | None,
+    typer.Option("--xacro", metavar="NAME:=VALUE", help="Argument of a .xacro file; repeat for more arguments."),
+]
 Smoothing = Annotated[
     float | None,
     typer.Option(
@@ -110,6 +114,7 @@ def robot_of(
     lock: list[str] | None = None,
     gravity: tuple[float, float, float] | None = None,
     mend_inertia: bool = False,
+    xacro: list[str] | None = None,
     *,
     floating_base: bool = False,
 ) -> cutpoint.Robot:
@@ -124,6 +129,7 @@ def robot_of(
         "lock": _places_of(lock or []),
         "gravity": gravity,
         "mend_inertia": mend_inertia,
+        "xacro": _arguments_of(xacro or []),
     }
     return cutpoint.load(path, drives, floating_base=floating_base, **options)
 
@@ -142,6 +148,17 @@ def _places_of(locks: list[str]) -> dict[str, float]:
         if not joint:
             raise InputError(f"--lock {lock!r} must be JOINT=PLACE, such as finger_joint=0.02, in rad (m)", lock=lock)
     return places
+
+
+def _arguments_of(given: list[str]) -> dict[str, str]:
+    """Arguments of a .xacro file.  Raises InputError."""
+    arguments: dict[str, str] = {}
+    for argument in given:
+        name, colon, value = argument.partition(":=")
+        if not name or not colon:
+            raise InputError(f"--xacro {argument!r} must be NAME:=VALUE, such as ur_type:=ur10e", argument=argument)
+        arguments[name] = value
+    return arguments
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:

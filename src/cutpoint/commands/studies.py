@@ -14,6 +14,7 @@ from cutpoint.commands.shared import (
     Locks,
     MendInertia,
     Mimics,
+    Xacro,
     app,
     robot_of,
 )
@@ -70,6 +71,7 @@ def compare(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
@@ -91,11 +93,12 @@ def compare(
         "--gravity": gravity,
         "--mimic": mimic != "independent",
         "--mend-inertia": mend_inertia,
+        "--xacro": xacro,
     }
     if str(robot) == "panda" and any(given.values()):
         named = ", ".join(option for option, value in given.items() if value)
         raise InputError(f"panda takes no such options; leave out {named}, or give the path of your own robot file")
-    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     found = run(output, bench, seeds=seeds, quick=quick)
     if not found["settings"]["complete"]:

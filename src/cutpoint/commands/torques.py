@@ -16,6 +16,7 @@ from cutpoint.commands.shared import (
     Mimics,
     RobotFile,
     Smoothing,
+    Xacro,
     app,
     check_targets,
     console,
@@ -59,6 +60,7 @@ def torque(
     lock: Locks = None,
     gravity: Gravity = None,
     mend_inertia: MendInertia = False,
+    xacro: Xacro = None,
     smoothing: Smoothing = None,
     period: Annotated[float, typer.Option(help="Time between samples along a file's motion, s.")] = 1e-3,
     output: Annotated[
@@ -70,7 +72,7 @@ def torque(
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia)
+    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
     if trajectory is not None:
         if q is not None or v or a or degrees:
             rule = "leave out --q, --v, --a and --degrees; its first line names the units"

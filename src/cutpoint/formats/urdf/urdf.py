@@ -63,11 +63,13 @@ def load_urdf(
     lock: Mapping[str, float] | None = None,
     mimic: Literal["independent", "coupled"] = "independent",
     mend_inertia: bool = False,
+    xacro: Mapping[str, str] | None = None,
 ) -> Mechanism:
     """The robot of a URDF file, or of a .xacro file if the `xacro` package is installed.
 
     gravity, floating_base, lock, mend_inertia: as `model.build` has them.
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
+    xacro: arguments of a .xacro file, by name.
     Raises ModelError, with file and line, for whatever is wrong in the file.
     """
     path = Path(path)
@@ -75,7 +77,9 @@ def load_urdf(
     place = str(path)
     if path.suffix.lower() == ".xacro":
         parse_xml(content, place)
-        content, place = expand(path), f"{path}, expanded"
+        content, place = expand(path, xacro or {}), f"{path}, expanded"
+    elif xacro:
+        raise InputError(f"arguments {listed(xacro)} are for .xacro files, got {place!r}", path=path)
     options: dict[str, Any] = {
         "gravity": gravity,
         "floating_base": floating_base,

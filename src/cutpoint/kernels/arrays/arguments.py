@@ -70,7 +70,7 @@ def batch_shape(port: Port, array: np.ndarray) -> Shape:
     split = array.ndim - len(port.shape)
     if split < 0 or array.shape[split:] != port.shape:
         axes = f"axis must be {port.shape[0]}" if len(port.shape) == 1 else f"axes must be {port.shape}"
-        raise ValueError(f"has shape {array.shape}, its last {axes}")
+        raise ValueError(f"has shape {array.shape}: its last {axes}")
     return array.shape[:split]
 
 

@@ -81,7 +81,7 @@ class RowsOfBlocks:
             return tuple(made) if len(made) > 1 else made[0]
         for target, x in zip(out if isinstance(out, tuple) else (out,), blocks, strict=True):
             if target.shape != x.shape:
-                raise ValueError(f"out has shape {target.shape}, it must be {x.shape}")
+                raise ValueError(f"out has shape {target.shape}: it must be {x.shape}")
             np.copyto(target, x, casting="same_kind")
         return out
 
@@ -100,5 +100,5 @@ def _tidy(port: Port, x: np.ndarray) -> np.ndarray:
 def _lane_first(port: Port, x: np.ndarray) -> np.ndarray:
     """Blocks as a batch of rows: the last axis moves before the port's own."""
     if x.ndim <= len(port.shape) or x.shape[-1] != _USUAL_WIDTH:
-        raise ValueError(f"{port.name} has shape {x.shape}, its last axis must be {_USUAL_WIDTH}")
+        raise ValueError(f"{port.name} has shape {x.shape}: its last axis must be {_USUAL_WIDTH}")
     return np.moveaxis(x, -1, -1 - len(port.shape))

@@ -98,7 +98,7 @@ class Blocks:
         array = self._numbers("blocks", blocks)
         if array.ndim < 2 or array.shape[-1] != self.width or count > len(array) * self.width:
             rule = f"it must be (blocks, ..., {self.width}) with at least {count} rows"
-            raise InputError(f"{self._name}: an array of blocks has shape {array.shape}, {rule}")
+            raise InputError(f"{self._name}: an array of blocks has shape {array.shape}: {rule}")
         return np.moveaxis(array, -1, 1).reshape(len(array) * self.width, *array.shape[1:-1])[:count]
 
     def _numbers(self, what: str, given: Any) -> np.ndarray:
