@@ -262,11 +262,14 @@ def test_names_are_escaped_and_a_robot_in_memory_is_told_as_json(tmp_path: Path)
 
 def test_a_xacro_file_is_left_expanded(tmp_path: Path):
     opened = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" '
-    (tmp_path / "arm.xacro").write_text(urdf_text().replace("<robot ", opened))
-    found = identify(tmp_path / "arm.xacro", Recording(TIME, TRUTH.joints, **channels()), friction="stated")
+    text = urdf_text().replace("<robot ", opened).replace('name="two"', 'name="$(arg name)"')
+    (tmp_path / "arm.xacro").write_text(text)
+    recording = Recording(TIME, TRUTH.joints, **channels())
+    found = identify(tmp_path / "arm.xacro", recording, friction="stated", xacro={"name": "left"})
     saved = found.save(tmp_path / "out")
     again = cutpoint.load(saved[0]).inertial_parameters
     assert np.abs(again - found.robot.inertial_parameters).max() <= 1e-12 * np.abs(again).max()
+    assert 'name="left"' in saved[0].read_text()
     assert "robot.urdf is the expanded xacro file" in saved[-1].read_text()
 
 

@@ -15,6 +15,7 @@ from cutpoint.commands.shared import (
     RobotFile,
     Xacro,
     app,
+    arguments_of,
     console,
     robot_of,
     say_notes,
@@ -182,7 +183,8 @@ def identify(
     file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
     found = identified(
         loaded, logs, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,
-        solver=solver, cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file, progress=True,
+        solver=solver, cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file,
+        xacro=arguments_of(xacro), progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))

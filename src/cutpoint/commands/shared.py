@@ -129,7 +129,7 @@ def robot_of(
         "lock": _places_of(lock or []),
         "gravity": gravity,
         "mend_inertia": mend_inertia,
-        "xacro": _arguments_of(xacro or []),
+        "xacro": arguments_of(xacro),
     }
     return cutpoint.load(path, drives, floating_base=floating_base, **options)
 
@@ -150,10 +150,10 @@ def _places_of(locks: list[str]) -> dict[str, float]:
     return places
 
 
-def _arguments_of(given: list[str]) -> dict[str, str]:
+def arguments_of(given: list[str] | None) -> dict[str, str]:
     """Arguments of a .xacro file.  Raises InputError."""
     arguments: dict[str, str] = {}
-    for argument in given:
+    for argument in given or []:
         name, colon, value = argument.partition(":=")
         if not name or not colon:
             raise InputError(f"--xacro {argument!r} must be NAME:=VALUE, such as ur_type:=ur10e", argument=argument)

@@ -1,5 +1,6 @@
 """The result of `identify`."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,6 +17,7 @@ class Identification:
     """An identified robot.
 
     robot: the identified one; before: as its files state it.  source: its file, None for a robot without one.
+    xacro: arguments of that file.
     rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
     numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
     untold: what this log cannot determine.  notes: repairs, suspicious data, and methods.
@@ -24,6 +26,7 @@ class Identification:
     robot: Robot
     before: Robot
     source: Path | None
+    xacro: Mapping[str, str]
     rigid: RigidEstimate
     drives: DriveEstimates | None
     numbers: tuple[Number, ...]

@@ -65,6 +65,7 @@ def identify(
     align: bool = False,
     torque_constants: Mapping[str, float] | None = None,
     source: str | Path | None = None,
+    xacro: Mapping[str, str] | None = None,
     progress: bool = False,
 ) -> Identification:
     """Inertias, rotors, friction and, from encoders on both sides, springs of a robot's drives, from a log.
@@ -78,6 +79,7 @@ def identify(
     torque_delay: s by which torques act later than their time stamps: half a control period for held commands.
     align: whether the links' encoders are aligned with the motors' clock first, see `aligned`.
     source: the file of a robot given as an object, with joints locked for example: `save` rewrites it.
+    xacro: arguments of the robot's .xacro file, as for `load`.
     progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves those out.
 
     Raises:
@@ -94,7 +96,7 @@ def identify(
     with Steps(3, progress) as say:
         say("reading the log")
         logs = _each_once(log)
-        before, stamped, resolution = _read(robot, logs, mapping, drives)
+        before, stamped, resolution = _read(robot, logs, mapping, drives, xacro)
         with _told_of(logs):
             stamped = aligned(stamped) if align else stamped
             recording = _acting(stamped, torque_delay)
@@ -104,7 +106,7 @@ def identify(
             say("torques on the part held out")
             errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
     file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
-    return _identification(before, file, recording, found, errors)
+    return _identification(before, file, xacro or {}, recording, found, errors)
 
 
 def _each_once(log: OneLog | Sequence[OneLog]) -> list[OneLog]:
@@ -138,12 +140,13 @@ def _read(
     logs: Sequence[OneLog],
     mapping: str | Path | Mapping[str, Any] | None,
     drives: str | Path | None,
+    xacro: Mapping[str, str] | None,
 ) -> tuple[Robot, Recording, Array | None]:
     """The robot as its files state it, and the recording at uniform times, without spikes and short gaps.
 
     Last, the resolution of the encoders on both sides, see `encoder_steps`, in the order of the robot's joints.
     """
-    before = robot if isinstance(robot, Robot) else load(robot, drives)
+    before = robot if isinstance(robot, Robot) else load(robot, drives, xacro=xacro)
     recordings = [_recorded(log, mapping, before) for log in logs]
     with _told_of(logs):
         recording = recordings[0] if len(recordings) == 1 else joined([*map(_named, logs, recordings)])
@@ -166,7 +169,12 @@ def _named(log: OneLog, recording: Recording) -> Recording:
 
 
 def _identification(
-    before: Robot, source: Path | None, recording: Recording, found: Estimates, errors: TorqueErrors
+    before: Robot,
+    source: Path | None,
+    xacro: Mapping[str, str],
+    recording: Recording,
+    found: Estimates,
+    errors: TorqueErrors,
 ) -> Identification:
     """All results, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
@@ -176,6 +184,7 @@ def _identification(
         robot=after,
         before=before,
         source=source,
+        xacro=xacro,
         rigid=rigid,
         drives=sprung,
         numbers=_numbers(before, after, found),

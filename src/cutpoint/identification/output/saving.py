@@ -83,7 +83,7 @@ def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     source = found.source
     if source is not None and source.suffix.lower() in (".urdf", ".xacro"):
         is_xacro = source.suffix.lower() == ".xacro"
-        content = expand(source).encode() if is_xacro else read_bytes(source, MAXIMUM_BYTES)
+        content = expand(source, found.xacro).encode() if is_xacro else read_bytes(source, MAXIMUM_BYTES)
         text, moved = updated_urdf(content, found.before.mechanism, found.robot.mechanism, str(source))
         notes = [f"robot.urdf: {words}" for words in moved]
         return {"robot.urdf": text}, [*notes, *(["robot.urdf is the expanded xacro file"] * is_xacro)]
