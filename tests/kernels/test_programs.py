@@ -319,6 +319,27 @@ def test_lanes_side_by_side_are_lanes_one_after_another_to_the_last_bit(backend:
     assert not np.array_equal(ends[0]["x"], start["x"])
 
 
+def swing(x: Any, own: Any) -> Any:
+    """Several numbers that no iteration changes, of each lane its own."""
+    return [x[0] + H * x[1] * exp(own[1]), x[1] - H * exp(own[0]) * sin(x[0]) - exp(own[2]) * H * x[1]]
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 3, 5, 8, 16, 17, 24, 40, 48])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_any_number_of_lanes_is_as_many_runs_to_the_last_bit(backend: str, lanes: int) -> None:
+    rng = np.random.default_rng(lanes)
+    x, own = rng.uniform(-1, 1, 2 * lanes), rng.uniform(-1, 1, 3 * lanes)
+    alone = [(x[k::lanes].copy(), own[k::lanes].copy()) for k in range(lanes)]
+    regions = [Region("x", 2 * lanes, lanes), Region("own", 3 * lanes, lanes)]
+    together = compile_program(Loop("ticks", [Stage(swing, ("x", "own"), ("x",), lanes)]), regions, backend=backend)
+    together.run({"ticks": 20}, x=x, own=own)
+    regions = [Region("x", 2), Region("own", 3)]
+    one = compile_program(Loop("ticks", [Stage(swing, ("x", "own"), ("x",))]), regions, backend=backend)
+    for k, (mine, numbers) in enumerate(alone):
+        one.run({"ticks": 20}, x=mine, own=numbers)
+        np.testing.assert_array_equal(x[k::lanes], mine)
+
+
 def test_a_laned_stage_writes_only_regions_with_as_many_lanes() -> None:
     body = [Stage(push, ("x", "v", "k", "pull", "held"), ("pull",), 3)]
     with pytest.raises(

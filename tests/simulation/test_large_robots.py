@@ -1,15 +1,16 @@
 """Simulation of large robots: how many steps they take, and what is refused."""
 
 import time
+from typing import Any
 
 import numpy as np
 import pytest
 import scipy.linalg
 
-from cutpoint import Drive, LinearSpring, Robot, Rotor, simulate
+from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor, simulate
 from cutpoint.errors import InputError
 from cutpoint.simulation.steps.fastest import FEW, fastest_mode, posture
-from large_robots import chain
+from large_robots import assert_close, chain
 
 
 def test_the_fastest_mode_of_a_long_chain_is_found_within_four_percent() -> None:
@@ -23,6 +24,26 @@ def test_the_fastest_mode_of_a_long_chain_is_found_within_four_percent() -> None
     found = fastest_mode(robot, [posture(robot, q)])
     assert found.rate**2 == pytest.approx(squares.max(), rel=0.04)
     assert found.cause.startswith("the spring of 'joint")
+
+
+class Hold:
+    """On motors at zero."""
+
+    def step(self, memory: Any, measured: Any, reference: Any) -> Any:
+        return memory, -50.0 * measured.theta - 2.0 * measured.theta_dot
+
+
+@pytest.mark.parametrize("size", [5, 17, 20])
+def test_alike_drives_in_lanes_of_any_number_move_as_in_numpy(size: int) -> None:
+    """Also where the lanes are no power of two: 17 and 20 drives take 24."""
+    drive = Drive(100.0, Rotor(1e-5), LinearSpring(1e4), motor_friction=Coulomb(1.0, 1.0, 0.05), damping=2.0)
+    logs = []
+    for backend in ("llvm", "numpy"):
+        robot = Robot(chain(size), backend=backend)
+        logs.append(simulate(robot.with_drives(dict.fromkeys(robot.joints, drive)), Hold(), duration=0.01))
+    for channel in ("q", "v", "theta", "theta_dot", "joint_torque"):
+        assert_close(logs[0][channel], logs[1][channel])
+    assert np.abs(logs[0]["v"]).max() > 1e-3
 
 
 def test_a_robot_too_large_to_simulate_is_refused_at_once() -> None:

@@ -8,7 +8,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
 from cutpoint.kernels.lowering.scheduling import scheduled
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
-from cutpoint.kernels.machine.llvm_code import Code, Running
+from cutpoint.kernels.machine.llvm_code import LINE, Code, Running
 from cutpoint.kernels.programs.hoisting import hoist
 from cutpoint.kernels.programs.lowered import lowered
 from cutpoint.kernels.programs.plan import Plan
@@ -69,7 +69,7 @@ class StageCode:
         values = straight_line(code, before, lanes, lambda slot: self._load(code, regions, slot, lanes=lanes))
         memory = self._kept(code, lanes, len(values), laned=lanes.width > 1)
         for k, value in enumerate(values):
-            code.store(value, memory, k, lanes.real)
+            code.store(value, code.at(memory, k * lanes.width), 0, lanes.real, align=8)
 
     def _fixed(self, *, laned: bool) -> set[int]:
         """Input slots that never change; with laned, also those of which each lane has its own."""
@@ -78,7 +78,8 @@ class StageCode:
 
     def _kept(self, code: Code, lanes: Lanes, count: int, *, laned: bool) -> str:
         """Allocates memory for so many numbers, which are inputs from here on; returns its name, the pointer's."""
-        memory = code.let(f"alloca {lanes.real}, i64 {count}") if count else ""
+        # of numbers, not of vectors: in an array LLVM rounds those of 24 up to 32
+        memory = code.let(f"alloca double, i64 {count * lanes.width}, align {LINE}") if count else ""
         self._sources += [(memory, k, laned) for k in range(count)]
         self._steps[memory] = lanes.width
         return memory
@@ -110,7 +111,7 @@ class StageCode:
                 return lanes.joined(code, [code.load(row, k) for row in rows[name]])
 
             for k, value in enumerate(straight_line(code, scheduled(self._ahead), lanes, load)):
-                code.store(value, self._ahead_at, k, lanes.real)
+                code.store(value, code.at(self._ahead_at, k * AT_ONCE), 0, lanes.real, align=8)
         return {self._ahead_at: code.at(self._ahead_at, lane)}
 
     def _rows_ahead(self, code: Code, regions: Mapping[str, str], left: str) -> dict[str, list[str]]:
