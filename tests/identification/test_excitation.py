@@ -131,6 +131,15 @@ def test_each_criterion_is_best_at_what_it_is_for() -> None:
     assert by_condition.after.condition < by_determinant.after.condition
 
 
+def test_limits_that_stand_for_none_do_not_hide_what_a_motion_tells() -> None:
+    """As some files state them for joints that nobody limits: dry and viscous friction must stay apart."""
+    free = two_joints('<limit lower="-1" upper="1" velocity="10000" effort="50000"/>')
+    found = excitation(free, 10.0, 5, seconds=LONG, starts=1)
+    _, v, *_ = motion(found)
+    assert found.after.condition < 200
+    assert np.abs(v).max() < 5 * 2 * np.pi / 10.0  # a wave of the whole range, at the highest frequency
+
+
 def test_it_tells_more_than_point_to_point_moves_between_the_same_limits() -> None:
     found, arm = planar(), two_joints()
     there = cutpoint.trajectories.cycloid([1.8, 0.5], 2.5, start=[-1.9, 2.4])

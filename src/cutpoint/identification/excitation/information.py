@@ -27,12 +27,15 @@ FRICTION = 0.05
 LIGHTEST, THINNEST = 0.01, 0.1
 """Least mass and radius of gyration assumed for a body, as shares of the bodies' means."""
 
+UNLIMITED = 1e3
+"""Times the largest torque of random motions: limits beyond that are what files state for joints without one."""
+
 TINY = 1e-14
 """Share of the trace of W^T W added to its diagonal, so that an uninformative motion has a finite criterion."""
 
 
 class Scales(NamedTuple):
-    """torque (n,), N m (N): torque limits, or the RMS of random motions.  speed (n,): the largest, rad/s."""
+    """torque (n,), N m (N): torque limits, or the RMS of random motions.  speed (n,): the largest reached, rad/s."""
 
     torque: Array
     speed: Array
@@ -129,7 +132,8 @@ def _scales(robot: Robot, bounds: Bounds) -> Scales:
     v, a = rng.uniform(-1.0, 1.0, (2, count, robot.nv)) * bounds.speed
     typical = np.sqrt(np.mean(robot.inverse_dynamics(q, v, a) ** 2, axis=0))
     typical = np.maximum(typical, 1e-3 * typical.max(initial=0.0) or 1.0)
-    return Scales(np.where(np.isfinite(bounds.torque), bounds.torque, typical), bounds.speed)
+    is_limited = bounds.torque < UNLIMITED * typical.max(initial=0.0)
+    return Scales(np.where(is_limited, bounds.torque, typical), bounds.speed)
 
 
 def _sizes(robot: Robot) -> Array:

@@ -45,12 +45,14 @@ class Problem:
     ) -> None:
         self.criterion: Criterion = criterion
         self.frequency, self.harmonics = base_frequency, harmonics
-        self.information, self.limits = Information(robot, bounds), limits_of(robot, bounds, boxes)
         # a motor behind a spring jumps where the jerk does, and its torque where the snap does
         rest = 4 if any(drive.is_elastic for drive in robot.drives.values()) else 2
         self._sine, self._cosine = still_waves(harmonics, rest)
         self._middle, half = (bounds.low + bounds.high) / 2.0, (bounds.high - bounds.low) / 2.0
-        waves = np.minimum(bounds.speed, half * 2.0 * np.pi * base_frequency)
+        slowest = half * 2.0 * np.pi * base_frequency
+        reached = bounds._replace(speed=np.minimum(bounds.speed, harmonics * slowest))  # some files state 10,000 rad/s
+        self.information, self.limits = Information(robot, reached), limits_of(robot, bounds, boxes)
+        waves = np.minimum(bounds.speed, slowest)
         self._scale = np.vstack([half, np.broadcast_to(waves, (self._sine.shape[1], half.size))])
         self._coarse, self._fine = self._basis(SAMPLES), self._basis(FINER * SAMPLES)
 
