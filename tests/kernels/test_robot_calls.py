@@ -5,8 +5,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas
 import pytest
 
+import cutpoint
 from cutpoint import Drive, InputError, LinearSpring, Robot, Rotor
 from cutpoint.scalars import map_leaves
 from robot_library import robot, turned
@@ -174,6 +176,19 @@ def test_numbers_with_names_are_refused_since_nothing_reads_these() -> None:
         arm.gravity_forces(Labelled([("q", joint) for joint in arm.joints]))
     for plain in ([*range(6)], [*np.linspace(0.0, 1.0, 6)], lambda value: 0):  # places, times; a method of that name
         assert np.array_equal(arm.gravity_forces(Labelled(plain)), arm.gravity_forces(np.ones(6)))
+
+
+def test_tables_of_pandas_are_arrays_to_kernels() -> None:
+    """pandas itself would apply a universal function to the transpose of a table."""
+    kernel = cutpoint.compile(lambda q: [q[0] - q[1], 10 * q[1]], name="mixed", q=2)
+    rows = np.array([[1.0, 2.0], [3.0, 5.0]])
+    table = pandas.DataFrame(rows, columns=["q1", "q2"])
+    for call in (kernel, kernel.general, kernel.float32):
+        assert np.array_equal(call(table), kernel(rows)) and type(call(table)) is np.ndarray
+        assert np.array_equal(call(pandas.Series(rows[1])), kernel(rows[1]))
+    assert np.array_equal(kernel(pandas.DataFrame(np.repeat(rows, 25, axis=0))), kernel(np.repeat(rows, 25, axis=0)))
+    with pytest.raises(InputError, match=r"mixed: q has shape \(3,\): its last axis must be 2"):
+        kernel(pandas.Series([1.0, 2.0, 3.0]))
 
 
 def test_numbers_that_are_masked_are_refused() -> None:

@@ -48,12 +48,20 @@ def as_numbers(argument: Any, precision: Precision) -> np.ndarray:
         return array.astype(precision.dtype, copy=False)
 
 
-def unmasked(kernel: str, port: Port, argument: Any) -> Any:
-    """The argument, converted from a masked array to a plain one.
+def as_plain(kernel: str, port: Port, argument: Any) -> Any:
+    """The argument without a mask, and as an array if it would compute universal functions in its own way.
+
+    pandas, for one, would apply them to the transpose of a table.
 
     Raises:
-        InputError: some of its numbers are masked.
+        InputError: some of its numbers are masked, or it cannot be an array.
     """
+    if not isinstance(argument, np.ndarray) and hasattr(type(argument), "__array_ufunc__"):
+        try:
+            return np.asarray(argument)
+        except (TypeError, ValueError) as error:
+            told = f"{kernel}: {port.name}, a {type(argument).__name__}, cannot be an array: {error}"
+            raise InputError(told, name=port.name) from None
     if not isinstance(argument, np.ma.MaskedArray):
         return argument
     if np.ma.is_masked(argument):

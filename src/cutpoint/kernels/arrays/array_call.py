@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order, unmasked
+from cutpoint.kernels.arrays.arguments import as_numbers, as_plain, explained, in_order
 from cutpoint.kernels.arrays.function import Function, Whole
 from cutpoint.kernels.arrays.strided import Strided
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
@@ -43,7 +43,7 @@ class ArrayCall:
                 return found if self._make is None else self._made(found)
         if named or len(arguments) != len(self._graph.inputs):
             arguments = tuple(in_order(self._name, self._graph.inputs, arguments, named))
-        arguments = tuple(unmasked(self._name, p, x) for p, x in zip(self._graph.inputs, arguments, strict=True))
+        arguments = tuple(as_plain(self._name, p, x) for p, x in zip(self._graph.inputs, arguments, strict=True))
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if self._graph.precision is not FLOAT64:  # rounds what NumPy itself refuses

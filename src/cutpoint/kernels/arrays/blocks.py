@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.arguments import as_numbers, explained, in_order, unmasked
+from cutpoint.kernels.arrays.arguments import as_numbers, as_plain, explained, in_order
 from cutpoint.kernels.arrays.block_function import block_function, wide
 from cutpoint.kernels.arrays.function import Function
 from cutpoint.kernels.arrays.threads import Threaded, thread_count
@@ -48,7 +48,7 @@ class Blocks:
             if found is not None:
                 return found if self._make is None else self._made(found)
         ordered = in_order(self._name, self._wide.inputs, arguments, named)
-        plain = [unmasked(self._name, p, x) for p, x in zip(self._wide.inputs, ordered, strict=True)]
+        plain = [as_plain(self._name, p, x) for p, x in zip(self._wide.inputs, ordered, strict=True)]
         given = [self._spread(x) for x in plain]
         count = 1 if threads is None else thread_count(self._name, threads)
         try:

@@ -19,7 +19,7 @@ from cutpoint.kernels.lowering.lower import lower
 _FORMS = {
     "add": "{} + {}", "sub": "{} - {}", "mul": "{} * {}", "div": "{} / {}", "neg": "{}", "sqrt": "sqrt{f}({})",
     "fma": "fma{f}({}, {}, {})", "fms": "fma{f}({}, {}, {})", "fnma": "fma{f}({}, {}, {})",
-    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}", "select": "{} ? {} : {}",
+    "lt": "{} < {}", "le": "{} <= {}", "and": "{} & {}", "or": "{} | {}", "not": "!{}",
 }  # fmt: skip
 """Operations that C has; all others are calls of the functions below."""
 
@@ -43,6 +43,14 @@ static inline $real cutpoint_real($word bits) {
 """
 
 _HELPERS = {
+    "select": """\
+static inline $real cutpoint_select(int a, $real c, $real d) {
+#if defined(__clang__)
+  __asm__("" : "+r"(a)); /* or clang takes c < d ? c : d for a minimum, which orders -0 before 0 */
+#endif
+  return a ? c : d;
+}
+""",
     "flip": """\
 static inline $real cutpoint_flip($real a, int bit, $real c) {
   return cutpoint_real(cutpoint_bits(c) ^ (cutpoint_bits(a) >> bit & 1) << $top);
@@ -71,7 +79,7 @@ static inline $real cutpoint_significand($real a) {
 }
 """,
 }
-"""The primitives that look at bits; PRIMITIVES says what they mean."""
+"""The primitives that C has no exact operator for; PRIMITIVES says what they mean."""
 
 _MINUS = """\
 static inline $real cutpoint_minus($real x) { /* a sign that gcc does not draw into a fused operation */
@@ -161,7 +169,7 @@ def helpers(graphs: Sequence[Graph], precision: Precision) -> list[str]:
     used = [text for op, text in _HELPERS.items() if any(op in graph.operations for graph in graphs)]
     turned = (x for graph in graphs for x in graph.nodes if x.op in _TURNED)
     used += [_MINUS] if any(_is_fused(x.args[_turned(x)]) for x in turned) else []
-    texts = [_BITS, *used] if used else []
+    texts = [_BITS, *used] if any("cutpoint_bits" in text for text in used) else used
     return [Template(text).substitute(words(precision)) for text in texts]
 
 

@@ -1,4 +1,7 @@
-"""Names that functions and arguments can have in C and C++, whatever other headers a program includes."""
+"""Names that functions and arguments can have in C and C++, whatever headers of their libraries a program includes.
+
+Those of POSIX have more macros: B0 of termios.h, for one.
+"""
 
 import re
 from collections.abc import Sequence
@@ -56,7 +59,8 @@ _LIBRARY = re.compile(
     "|realpath|recv|select|send|shutdown|signal|socket|stat|sync|system|truncate|unlink|wait"
     # types, namespaces, and what CMake takes for a target or a kind of build
     "|.*_t|va_list|u_?(int|long|short|char)|std|Eigen|cutpoint"
-    "|m|all|clean|edit_cache|help|install|package|rebuild_cache|test|debug|optimized|general"
+    "|m|all|clean|edit_cache|help|(pre)?install|package|rebuild_cache|test|debug|optimized|general|ALIAS|COMMAND|EXPORT"
+    "|IMPORTED|INTERFACE|MODULE|OBJECT|PRIVATE|PUBLIC|SHARED|STATIC|TARGETS|UNKNOWN"
 )
 """Names that the library has already, of which a compiler or a linker would take ours for one."""
 

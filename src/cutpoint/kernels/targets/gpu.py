@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.arguments import as_numbers, in_order, phrase, unmasked
+from cutpoint.kernels.arrays.arguments import as_numbers, as_plain, in_order, phrase
 from cutpoint.kernels.arrays.rows import as_reals, as_rows, batch_of
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
@@ -63,7 +63,7 @@ def _there(name: str, port: Port, argument: Any, precision: Precision, device: i
     """
     if not hasattr(type(argument), "__cuda_array_interface__"):  # on an array itself it would be computed again
         try:
-            return as_numbers(unmasked(name, port, argument), precision)
+            return as_numbers(as_plain(name, port, argument), precision)
         except (TypeError, ValueError, OverflowError) as problem:
             raise InputError(f"{name}: {port.name} {phrase(argument, problem)}", name=port.name) from None
     there = getattr(getattr(argument, "device", None), "id", device)

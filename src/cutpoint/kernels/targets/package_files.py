@@ -42,7 +42,7 @@ def write_files(folder: str | Path, texts: Mapping[str, str], force: bool) -> tu
             raise InputError(
                 f"{str(path)!r} is a folder, but a file must be written there; choose another one", path=path
             )
-        if path.exists() and not (force or is_ours(path)):
+        if (path.exists() or path.is_symlink()) and not (force or is_ours(path)):
             told = "was not written by cutpoint; choose another folder, or use force=True (--force on the command line)"
             raise InputError(f"{str(path)!r} {told}", path=path)
     for path, text in contents.items():

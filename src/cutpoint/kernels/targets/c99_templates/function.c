@@ -10,8 +10,13 @@
   || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "@{name}.c: -ffast-math and parts of it change its results; compile without them"
 #endif
+typedef char cutpoint_refuses_single_precision_constants[sizeof(0.5) > sizeof(0.5f) ? 1 : -1];
 #if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2
 #error "@{name}.c: a @{real} must be evaluated as a @{real}; on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
+
+#if defined(__clang__) && __clang_major__ >= 14
+#pragma float_control(precise, on) /* against parts of -ffast-math that define no macro */
 #endif
 
 /* every fused multiply-add is written; none may be made by the compiler */
