@@ -234,8 +234,9 @@ def test_a_package_that_nobody_knows_is_named(tmp_path: Path) -> None:
 
 def test_a_xacro_file_takes_arguments(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
-    path.write_text(f'<robot name="$(arg name)" {XACRO}>{link("base")}</robot>')
-    assert load_urdf(path, xacro={"name": "hand"}).name == "hand"
+    hidden = f'<xacro:if value="$(arg bare)"><link name="$(arg name)"/></xacro:if>{link("base")}'
+    path.write_text(f'<robot name="$(arg name)" {XACRO}>{hidden}</robot>')
+    assert load_urdf(path, xacro={"name": "hand", "bare": False}).name == "hand"  # type: ignore[dict-item]
     rule = r"argument name; give it: load\(\.\.\., xacro={'name': \.\.\.}\), --xacro name:=VALUE"
     with pytest.raises(ModelError, match=rule):
         load_urdf(path)

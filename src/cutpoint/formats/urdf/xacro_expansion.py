@@ -33,7 +33,8 @@ def expand(path: Path, arguments: Mapping[str, str]) -> str:
         raise ModelError(complaint, place=path) from problem
     try:
         with _packages_around(path):
-            document: Any = xacro.process_file(str(path), mappings={**arguments})  # typed as a file, but it is a DOM
+            texts = {name: str(value) for name, value in arguments.items()}
+            document: Any = xacro.process_file(str(path), mappings=texts)  # typed as a file, but it is a DOM document
         return document.toprettyxml(indent="  ")
     except Exception as problem:  # expressions in the file may raise anything
         told, remedy = " ".join(str(problem).split()), ""
