@@ -125,7 +125,7 @@ def test_a_link_out_of_the_folder_is_refused(tmp_path: Path) -> None:
         read(path)
     (home / "forearm.xml").unlink()
     (home / "forearm.xml").symlink_to(home / "forearm.xml")
-    with pytest.raises(ModelError, match=r"<include> 'forearm.xml'"):
+    with pytest.raises(ModelError, match=r"<include> .*'forearm.xml'"):  # in other words from Python 3.13 on
         read(path)
 
 
