@@ -66,7 +66,7 @@ def load(
     if floating_base or mimic != "independent":
         raise InputError("load: floating_base and mimic are for URDF files; an MJCF file itself says what floats")
     if xacro:
-        raise InputError(f"load: xacro={xacro!r} is for .xacro files, got {str(path)!r}")
+        raise InputError(f"load: xacro={xacro!r} is for .xacro files, got {str(path)!r}: leave it out")
     if mend_inertia:
         raise InputError(
             'load: mend_inertia is for URDF files; state <compiler balanceinertia="true"/> in an MJCF file'

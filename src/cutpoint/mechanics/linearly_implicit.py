@@ -2,7 +2,8 @@
 
 Friction and the spring's damping change with speed by D (N m s/rad), which may make the drive arbitrarily stiff.  A
 stage of a step h solves  J k = effort - D (gamma h k + earlier stages' added speed)  for the acceleration k: D adds to
-inertia, and is computed once, at the start of the step; see `simulation.step`.  All quantities at the joint's side.
+inertia, and is computed once, at the start of the step; see `simulation.loop.step`.  All quantities at the joint's
+side.
 """
 
 from typing import Any, NamedTuple

@@ -1,6 +1,6 @@
 """The plant as an ordinary differential equation: links, motors and their currents under commands held over a period.
 
-The drives' internal strains follow displacements instead: see `mechanics.strains`.
+The drives' internal strains follow displacements instead: see `mechanics.drives.strains`.
 """
 
 from typing import Any, NamedTuple

@@ -79,7 +79,7 @@ def load_urdf(
         parse_xml(content, place)
         content, place = expand(path, xacro or {}), f"{path}, expanded"
     elif xacro:
-        raise InputError(f"arguments {listed(xacro)} are for .xacro files, got {place!r}", path=path)
+        raise InputError(f"arguments {listed(xacro)} are for .xacro files, got {place!r}: leave them out", path=path)
     options: dict[str, Any] = {
         "gravity": gravity,
         "floating_base": floating_base,
