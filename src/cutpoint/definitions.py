@@ -9,16 +9,17 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics import drive_regressor as drives
-from cutpoint.mechanics import elastic, elastic_forward, energy, kinematics, mass_matrix, power_flow, regressor
+from cutpoint.mechanics import elastic_forward, elastic_inverse, energy, kinematics, mass_matrix, power_flow, regressor
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
 from cutpoint.mechanics.bodies.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque, spring_torque, static_lead
 from cutpoint.mechanics.drives.strains import Strains, drive_by_drive
-from cutpoint.mechanics.elastic import Driven, ElasticMotion, Options
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.elastic_inverse import ElasticMotion, Options
+from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
+from cutpoint.mechanics.system import Driven, System
 
 Scalars = list[Any]
 
@@ -57,7 +58,7 @@ def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
     columns = []
     for k in range(m.system.nv):
         unit = [int(j == k) for j in range(m.system.nv)]
-        tau = inverse.required_inverse_dynamics(m.system, q, v, unit, still)
+        tau = required_inverse_dynamics(m.system, q, v, unit, still)
         columns.append([t - g for t, g in zip(tau, weight, strict=True)])
     return transposed(columns)
 
@@ -118,9 +119,12 @@ def elastic_inverse_dynamics(
     strains: Scalars | None = None,
     **higher: Scalars,
 ) -> ElasticMotion:
-    """Motor torques and motion for a motion, N m (N) and rad (m): see `mechanics.elastic`.  higher: in rising order."""
+    """Motor torques and motion for a motion, N m (N) and rad (m): see `mechanics.elastic_inverse`.
+
+    higher: derivatives beyond, in rising order.
+    """
     rates, held = (v, a, jerk, snap, *higher.values()), _held(m, strains)
-    return elastic.elastic_inverse_dynamics(m.system, m.drives, q, *rates, options=options, strains=held)
+    return elastic_inverse.elastic_inverse_dynamics(m.system, m.drives, q, *rates, options=options, strains=held)
 
 
 def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state: Scalars) -> ElasticAccelerations:
@@ -137,7 +141,7 @@ def elastic_energy(
     v: Scalars | None = None,
 ) -> Any:
     """Energy of springs and rotors, J; with v, also that of rotors due to their carriers' motion."""
-    own = elastic.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
+    own = energy.elastic_energy(m.drives, q, theta, theta_dot, _held(m, strains))
     return own if v is None else own + energy.carried_energy(m.system, q, v, _rotor_speeds(m, theta_dot))
 
 

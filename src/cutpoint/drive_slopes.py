@@ -8,9 +8,10 @@ from typing import Any
 
 from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
+from cutpoint.mechanics.drives.motor_motion import motor_motion, motor_torque
 from cutpoint.mechanics.drives.strains import UNKNOWN
-from cutpoint.mechanics.elastic import Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
+from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.model import Drive
 from cutpoint.scalars import Jet
 
@@ -40,10 +41,10 @@ def effort_slopes(drive: Drive, state: Scalars) -> Scalars:
 
 def motor_slopes(drive: Drive, motion: Scalars, options: Options) -> Scalars:
     """Derivatives of the motor torque of elastic inverse dynamics by its MOTION."""
-    driven = Driven(drive, 0, 0, 0)
 
     def asked(motion: Scalars) -> Scalars:
         torque, (q, *rates) = Jet(*motion[:3]), motion[3:]
-        return [motor_torque(driven, motor_motion(driven, torque, q, Jet(*rates), options, UNKNOWN), None, [], None)]
+        found = motor_motion(drive, torque, q, Jet(*rates), UNKNOWN, friction_rates=options.friction_rates)
+        return [motor_torque(drive, found)]
 
     return jacobian_of(asked)(motion=motion)[0][0]

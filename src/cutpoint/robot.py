@@ -19,7 +19,7 @@ from cutpoint.mechanics.bodies.spatial import ZERO, Pose
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.drives import strains as strains_of
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
-from cutpoint.mechanics.elastic import derivatives_needed
+from cutpoint.mechanics.elastic_inverse import derivatives_needed
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of

@@ -8,7 +8,7 @@ from cutpoint.mechanics.bodies.articulated import Articulated
 from cutpoint.mechanics.bodies.joints import Revolute
 from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, Motion, Vec3
-from cutpoint.mechanics.inverse_dynamics import pull
+from cutpoint.mechanics.required_dynamics import pull
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.mechanism import WORLD
 from random_trees import rotation

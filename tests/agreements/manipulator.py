@@ -9,6 +9,7 @@ from cutpoint import Robot
 from cutpoint.mechanics import inverse_dynamics as recursion
 from cutpoint.mechanics.bodies.rigid_body import net_wrench
 from cutpoint.mechanics.kinematics import body_velocities, joint_poses
+from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
 from transcript import arm, data, joint, manipulator
 from transcript.appendix import U, pose
 
@@ -129,6 +130,6 @@ def whole_arm(rng):
     required = arm.required_wrenches(q, q_dot, q_dot_r, q_ddot_r, np.zeros((6, 6)), np.zeros(6))
     more = [left_out(B, v[3:]) @ v_r for B, v, v_r in zip(BODIES, V, V_r, strict=True)]
     extra = arm.inward_wrenches(q, more, np.zeros(6))
-    ours = recursion.required_inverse_dynamics(system(), q, q_dot, q_dot_r, q_ddot_r)
+    ours = required_inverse_dynamics(system(), q, q_dot, q_dot_r, q_ddot_r)
     theirs = [F[5] - F_more[5] for F, F_more in zip(required, extra, strict=True)]
     return [(found, arm.joint_torques(q, q_dot, q_ddot, F_e)), (ours, theirs)]

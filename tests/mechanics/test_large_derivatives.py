@@ -15,7 +15,7 @@ from cutpoint.errors import InputError
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.programs.compiled import program_ir
 from cutpoint.kernels.programs.plan import plan
-from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.model import Mechanism
 from cutpoint.rolled import DERIVATIVES, RECIPES, RolledFunction
 from cutpoint.rolled.bodies import columns_of

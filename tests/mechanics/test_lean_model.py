@@ -13,7 +13,7 @@ from cutpoint.kernels import graph_of
 from cutpoint.mechanics.assembly import placements
 from cutpoint.mechanics.assembly.assembly import lean_framing
 from cutpoint.mechanics.assembly.regrouping import UNMOVED
-from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.model import Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import WORLD

@@ -34,12 +34,19 @@ from cutpoint.formats.drives import entry as drive_entry
 from cutpoint.kernels.lowering import fusion
 from cutpoint.kernels.machine.cache import not_kept
 from cutpoint.kernels.programs import stage
-from cutpoint.mechanics import elastic, elastic_forward, energy, inverse_dynamics, power_flow, torque_derivatives
+from cutpoint.mechanics import (
+    elastic_forward,
+    elastic_inverse,
+    energy,
+    inverse_dynamics,
+    power_flow,
+    torque_derivatives,
+)
 from cutpoint.mechanics.assembly import assembly, reframing
 from cutpoint.mechanics.bodies import rigid_body, rotations
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import Pose
-from cutpoint.mechanics.drives import harmonic_drive, motor, strains
+from cutpoint.mechanics.drives import harmonic_drive, motor, motor_motion, strains
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
@@ -144,21 +151,21 @@ MUTANTS = {
         MIXED,
     ),
     "friction on the wrong side, inverse": Mutant(
-        elastic.motor_motion,
+        motor_motion.motor_motion,
         "drive.link_friction, v if",
         "drive.motor_friction, v if",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "friction", "backend": "numpy", "friction_rates": False},
     ),
     "kappa_r = q_r": Mutant(
-        elastic.motor_motion,
+        motor_motion.motor_motion,
         "link + wound)",
         "link + 0 * wound)",
         elastic_laws.test_forward_dynamics_returns_the_motion_that_inverse_dynamics_was_given,
         {"name": "flexspline", "backend": "numpy", "friction_rates": False},
     ),
     "jet order minus one": Mutant(
-        elastic.elastic_inverse_dynamics,
+        elastic_inverse.elastic_inverse_dynamics,
         "v = [Jet(*x) for",
         "v = [Jet(*x[:-1], 0) for",
         elastic_laws.test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position,
@@ -298,7 +305,7 @@ MUTANTS = {
         {},
     ),
     "hysteresis lost in the inverse": Mutant(
-        elastic.motor_motion,
+        motor_motion.motor_motion,
         " - slipping_torque(drive, strains.spring)",
         "",
         elastic_laws.test_strains_are_counted_there_and_back,

@@ -9,8 +9,8 @@ import pytest
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.kernels import compile, graph_of
-from cutpoint.mechanics.elastic import elastic_inverse_dynamics
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
+from cutpoint.mechanics.elastic_inverse import elastic_inverse_dynamics
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
 from cutpoint.studies.cost import run

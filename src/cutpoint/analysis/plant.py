@@ -16,7 +16,7 @@ from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics.elastic import DEFAULT, ElasticMotion
+from cutpoint.mechanics.elastic_inverse import DEFAULT, ElasticMotion
 from cutpoint.model import Drive
 from cutpoint.robot import ElasticTorques, Robot
 

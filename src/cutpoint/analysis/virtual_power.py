@@ -11,7 +11,8 @@ from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
 from cutpoint.mechanics.bodies.spatial import NO_WRENCH, Wrench
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches, pull, required_motions
+from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches
+from cutpoint.mechanics.required_dynamics import pull, required_motions
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

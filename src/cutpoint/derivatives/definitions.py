@@ -15,8 +15,8 @@ from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.drives.strains import UNKNOWN
-from cutpoint.mechanics.elastic import Options
 from cutpoint.mechanics.elastic_forward import drive_effort, drive_states
+from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.mechanics.factors import Factors, factors_of, solve
 from cutpoint.mechanics.torque_derivatives import along_motion
 from cutpoint.scalars import Jet, Scalar

@@ -13,7 +13,7 @@ from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.variants import motion_names, with_options, wrong_motion
-from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from scipy.linalg import get_blas_funcs, get_lapack_funcs
 
 from cutpoint.drive_slopes import EffortSlopes
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.system import Driven
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver

@@ -23,7 +23,7 @@ from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
 from cutpoint.mechanics.assembly.reframing import Framing
 from cutpoint.mechanics.drives import strains
-from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.system import Driven
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
 from cutpoint.rolled import (

@@ -9,7 +9,7 @@ from weakref import WeakMethod
 from cutpoint import definitions
 from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.mechanics.drive_regressor import DriveRegressor
-from cutpoint.mechanics.elastic import DEFAULT
+from cutpoint.mechanics.elastic_inverse import DEFAULT
 
 Function = Callable[..., Any]
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from cutpoint import definitions
 from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic import Options
+from cutpoint.mechanics.elastic_inverse import Options
 
 
 def checked_wrenches(

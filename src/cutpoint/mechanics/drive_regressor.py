@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, transmission
 from cutpoint.mechanics.drives.presliding import sliding_of
-from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.system import Driven
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

@@ -15,14 +15,13 @@ from cutpoint.mechanics.drives.harmonic_drive import (
     transmitted_torque,
 )
 from cutpoint.mechanics.drives.strains import UNKNOWN, Strains
-from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.forward_dynamics import (
     FreeRotor,
     articulated_accelerations,
     is_shallow,
     through_mass_matrix,
 )
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.system import Driven, System
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 

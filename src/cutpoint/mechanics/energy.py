@@ -1,11 +1,13 @@
-"""Energies and momentum of all bodies together."""
+"""Energies and momentum of all bodies, and of all drives, together."""
 
 from collections.abc import Mapping, Sequence
 
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import NO_WRENCH, ZERO, Wrench
+from cutpoint.mechanics.drives.harmonic_drive import deflection
+from cutpoint.mechanics.drives.strains import UNKNOWN, Strains, strain_energy
 from cutpoint.mechanics.kinematics import body_velocities, world_poses
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.system import Driven, System
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
@@ -56,4 +58,22 @@ def momentum(system: System, q: Scalars, v: Scalars, rotors: Mapping[int, Scalar
     for spin in system.spins:
         speed = rotors[spin.joint] if spin.elastic else system.segments[spin.joint].speeds(v)[0]
         total = total + X[spin.carrier].inward(Wrench(ZERO, spin.axis * (spin.geared * speed)))
+    return total
+
+
+def elastic_energy(
+    drives: Sequence[Driven],
+    q: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    strains: Sequence[Strains] | None = None,
+) -> Scalar:
+    """Energy in springs and spinning rotors of the elastic drives, and in all strained elements, J."""
+    total: Scalar = 0
+    held = strains or [UNKNOWN] * len(drives)
+    for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, held, strict=True):
+        total = total + strain_energy(d.drive, s)
+        if d.drive.compliance is not None:
+            spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2
+            total = total + d.drive.compliance.energy(deflection(d.drive, theta_k, q[d.q])) + spin
     return total

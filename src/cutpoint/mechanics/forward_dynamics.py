@@ -12,13 +12,7 @@ from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, FeltRot
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import STILL, Motion, Vec3, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
-from cutpoint.mechanics.inverse_dynamics import (
-    handed_on,
-    inverse_dynamics,
-    motions,
-    net_wrenches,
-    rotor_efforts,
-)
+from cutpoint.mechanics.inverse_dynamics import handed_on, inverse_dynamics, motions, net_wrenches, rotor_efforts
 from cutpoint.mechanics.mass_matrix import mass_matrix
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD

@@ -1,20 +1,18 @@
 """The virtual-decomposition recursion: joint torques of a motion.  Xia (2019) eqs. (29)-(31), (44)-(53).
 
 `inverse_dynamics` calls three sweeps over the bodies, which follow it in this order; these call the steps of one body.
-The required motion of virtual decomposition control takes the same sweeps: it comes last.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, gradient_beside, net_wrench
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.mechanics.system import Segment, System
+from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero
 
 Scalars = Sequence[Scalar]
-Gain = Sequence[Sequence[Scalar]]
 
 
 @dataclass(slots=True, eq=False)
@@ -44,7 +42,7 @@ def inverse_dynamics(
     F = net_wrenches(system, moved, v, a)
     # inward: each body also bears its children
     F = bear(system, [m.X for m in moved], F, contact or {})
-    return _sums(rotor_efforts(system, moved, a), joint_efforts(system, F))
+    return [rotor + link for rotor, link in zip(rotor_efforts(system, moved, a), joint_efforts(system, F), strict=True)]
 
 
 def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[BodyMotion]:
@@ -183,71 +181,3 @@ def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[i
         place = system.frames[name]
         if place.body != WORLD:
             yield place.body, place.pose.inward(Wrench(F_e.force * system.length, F_e.moment))
-
-
-# a required motion, of a robot that moves otherwise
-
-
-def quasi_rigid(system: System) -> System:
-    """The system whose elastic drives' rotors act on their carriers as if their drives were rigid."""
-    return replace(system, spins=tuple(replace(spin, elastic=False) for spin in system.spins))
-
-
-def required_inverse_dynamics(system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars) -> list[Scalar]:
-    """Joint torques for a required motion of a robot that moves with v: M a_r + C(q, v) v_r + g.
-
-    Xia (2019) eqs. (48)-(53) without their gains K; C is the sum of the bodies' C(omega), eq. (61).
-    """
-    return _sums(*required_efforts(system, q, v, v_r, a_r))
-
-
-def required_efforts(
-    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars, gains: Sequence[Gain] | None = None
-) -> tuple[list[Scalar], list[Scalar]]:
-    """Torques for a required motion of a robot that moves with v: see `efforts_between`."""
-    return efforts_between(system, *required_motions(system, q, v, v_r, a_r), v_r, a_r, gains)
-
-
-def efforts_between(
-    system: System,
-    actual: Sequence[BodyMotion],
-    required: Sequence[BodyMotion],
-    v_r: Scalars,
-    a_r: Scalars,
-    gains: Sequence[Gain] | None = None,
-) -> tuple[list[Scalar], list[Scalar]]:
-    """Torques for a required motion, N m (N): on the links, and separately for rigidly geared rotors.
-
-    Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, for velocity feedback.
-    """
-    F_r = net_wrenches(system, required, v_r, a_r, actual)
-    if gains is not None:
-        bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
-        F_r = [F + pull(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
-    F_r = bear(system, [m.X for m in actual], F_r, {})
-    return joint_efforts(system, F_r), rotor_efforts(system, required, a_r, actual)
-
-
-def required_motions(
-    system: System, q: Scalars, v: Scalars, v_r: Scalars, a_r: Scalars
-) -> tuple[list[BodyMotion], list[BodyMotion]]:
-    """Every body's motion, without its accelerations, and its required one.  Xia (2019) eqs. (13)-(14), (48)-(49)."""
-    actual = motions(system, q, v, [0] * system.nv)
-    required: list[BodyMotion] = []
-    for body, m in zip(system.segments, actual, strict=True):
-        parent = at_rest(system) if body.parent == WORLD else required[body.parent]
-        zv, zv_r, za_r = body.motion(v), body.motion(v_r), body.motion(a_r)
-        required.append(move(m.X, m.V.angular, zv, parent, zv_r, za_r))
-    return actual, required
-
-
-def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
-    """K (V_r - V), K in the body's own axes.  Xia (2019) eqs. (15)-(17)."""
-    lag = [*body.in_own_axes(V_r - V)]
-    pulled = [sum((k * x for k, x in zip(row, lag, strict=True)), 0) for row in K]
-    R_T = body.turn.T
-    return Wrench(R_T @ Vec3(*pulled[:3]), R_T @ Vec3(*pulled[3:]))
-
-
-def _sums(x: Scalars, y: Scalars) -> list[Scalar]:
-    return [a + b for a, b in zip(x, y, strict=True)]

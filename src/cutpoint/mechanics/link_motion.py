@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_torque, spring_torque_and_rate
-from cutpoint.mechanics.elastic import Driven
 from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.mechanics.mass_matrix import mass_matrix
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.system import Driven, System
 from cutpoint.scalars import Jet, Scalar
 
 Scalars = Sequence[Scalar]

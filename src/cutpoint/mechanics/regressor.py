@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from cutpoint.mechanics.bodies.rigid_body import body_regressor, inertia_of
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, required_inverse_dynamics, required_motions
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions
 from cutpoint.mechanics.kinematics import velocity_columns
+from cutpoint.mechanics.required_dynamics import required_inverse_dynamics, required_motions
 from cutpoint.mechanics.system import System
 from cutpoint.scalars import Scalar
 

@@ -10,6 +10,7 @@ from functools import cached_property
 from cutpoint.mechanics.bodies.joints import JointKind
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
+from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
 
@@ -133,3 +134,13 @@ class System:
             chain.append(body)
             body = self.segments[body].parent
         return chain[::-1]
+
+
+@dataclass(frozen=True)
+class Driven:
+    """A drive, and the indices of the segment, coordinate and speed that it drives."""
+
+    drive: Drive
+    segment: int
+    q: int
+    v: int

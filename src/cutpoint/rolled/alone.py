@@ -12,8 +12,7 @@ from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.kernels import Kernel
 from cutpoint.kernels.arrays.arguments import common_batch
-from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.system import Segment, System
+from cutpoint.mechanics.system import Driven, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import leaves, rebuild, structure_of
 

@@ -14,8 +14,7 @@ from cutpoint.mechanics.bodies.joints import Helical, Prismatic
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose
-from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.system import Place, Segment, System
+from cutpoint.mechanics.system import Driven, Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
 from cutpoint.rolled.subsystem import OneAxis, Subsystem, mat3, vec3

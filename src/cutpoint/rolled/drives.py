@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cutpoint.mechanics.elastic import Driven
+from cutpoint.mechanics.system import Driven
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import leaves, structure_of
 

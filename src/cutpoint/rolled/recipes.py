@@ -7,7 +7,7 @@ from math import inf
 from typing import Any, NamedTuple, get_args
 
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE
-from cutpoint.mechanics.elastic import DEFAULT, Options
+from cutpoint.mechanics.elastic_inverse import DEFAULT, Options
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.rolled.algorithms import derivatives, elastic, forward, inverse, kinematics, mass, regressor, totals
 from cutpoint.rolled.algorithms.placing import RATES

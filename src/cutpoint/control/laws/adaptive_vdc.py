@@ -18,7 +18,8 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.bodies.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import ZERO, Pose
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, efforts_between, quasi_rigid, required_motions
+from cutpoint.mechanics.inverse_dynamics import BodyMotion
+from cutpoint.mechanics.required_dynamics import efforts_between, quasi_rigid, required_motions
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Jet, Scalar

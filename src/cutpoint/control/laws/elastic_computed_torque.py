@@ -9,8 +9,9 @@ from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
-from cutpoint.mechanics.elastic import Driven, elastic_inverse_dynamics
+from cutpoint.mechanics.elastic_inverse import elastic_inverse_dynamics
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
+from cutpoint.mechanics.system import Driven
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.drives import strains
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_of_both_sides
 from cutpoint.mechanics.drives.motor import torque_for
-from cutpoint.mechanics.elastic import Options, elastic_inverse_dynamics
+from cutpoint.mechanics.elastic_inverse import Options, elastic_inverse_dynamics
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 
 Rung = Literal["gravity", "rigid", "rotor", "friction", "elastic"]

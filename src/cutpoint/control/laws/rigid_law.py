@@ -10,7 +10,7 @@ from cutpoint.control.laws.model_law import ModelLaw, without_springs
 from cutpoint.control.laws.side import Side, SidedLaw
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import friction_of_both_sides, friction_torque, rigidly_transmitted
-from cutpoint.mechanics.inverse_dynamics import required_inverse_dynamics
+from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
 from cutpoint.robot import check_robot
 
 

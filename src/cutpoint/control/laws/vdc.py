@@ -17,8 +17,8 @@ from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_co
 from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling, states_by_drive
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError
-from cutpoint.mechanics.inverse_dynamics import quasi_rigid, required_efforts
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
+from cutpoint.mechanics.required_dynamics import quasi_rigid, required_efforts
 from cutpoint.scalars import Jet, value_of
 
 

@@ -11,7 +11,7 @@ from cutpoint.drive_slopes import MOTION, motor_slopes
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, IDENTITY, ZERO, Inertia, Motion, Vec3, Wrench
-from cutpoint.mechanics.elastic import DEFAULT, Options
+from cutpoint.mechanics.elastic_inverse import DEFAULT, Options
 from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_motion
 from cutpoint.model import Drive
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart

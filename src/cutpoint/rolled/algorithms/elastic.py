@@ -8,9 +8,10 @@ from typing import Any
 from cutpoint.drive_slopes import EFFORT_SLOPES, STATE, effort_slopes
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, static_lead
+from cutpoint.mechanics.drives.motor_motion import motor_motion, motor_torque
 from cutpoint.mechanics.drives.strains import UNKNOWN
-from cutpoint.mechanics.elastic import DEFAULT, Driven, Options, motor_motion, motor_torque
 from cutpoint.mechanics.elastic_forward import drive_effort
+from cutpoint.mechanics.elastic_inverse import DEFAULT, Options
 from cutpoint.rolled.algorithms import coupling
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
 from cutpoint.rolled.algorithms.forward import forward_dynamics
@@ -33,9 +34,8 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
         def asked(drive: Model) -> list[Any]:
             if drive is None:
                 return [0] * 4
-            driven = Driven(drive, 0, 0, 0)
-            found = motor_motion(driven, torque, q[0], speed, options, UNKNOWN)
-            return [motor_torque(driven, found, None, [], None), *(found.theta.derivative(k) for k in range(3))]
+            found = motor_motion(drive, torque, q[0], speed, UNKNOWN, friction_rates=options.friction_rates)
+            return [motor_torque(drive, found), *(found.theta.derivative(k) for k in range(3))]
 
         return *([x] for x in columns.by_drive(row, asked)), [torque.derivative(0)]
 

@@ -13,8 +13,7 @@ from typing import Any
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.bodies.spatial import ZERO, Mat3, Vec3
 from cutpoint.mechanics.drives.compliance import LinearSpring
-from cutpoint.mechanics.elastic import Driven
-from cutpoint.mechanics.system import System
+from cutpoint.mechanics.system import Driven, System
 from cutpoint.scalars import Scalar
 from cutpoint.studies.cost.bodies import Link, Z, links
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from cutpoint.definitions import Machine
 from cutpoint.kernels import Graph
-from cutpoint.mechanics.elastic import elastic_inverse_dynamics
+from cutpoint.mechanics.elastic_inverse import elastic_inverse_dynamics
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 from cutpoint.studies.cost import buondonno_de_luca, christoffel, luh_walker_paul, uicker_kahn
 

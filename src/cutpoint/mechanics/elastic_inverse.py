@@ -11,32 +11,14 @@ from typing import Any, NamedTuple
 
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import Wrench
-from cutpoint.mechanics.drives.harmonic_drive import (
-    beside_damping,
-    deflection,
-    friction_torque,
-    load_on_motor,
-    motor_position,
-    slipping_torque,
-)
-from cutpoint.mechanics.drives.strains import UNKNOWN, Strains, strain_energy
+from cutpoint.mechanics.drives.motor_motion import MotorMotion, motor_motion, motor_torque
+from cutpoint.mechanics.drives.strains import UNKNOWN, Strains
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, rotor_efforts
-from cutpoint.mechanics.system import System
-from cutpoint.model.drive import Drive
+from cutpoint.mechanics.system import Driven, System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Jet, Scalar, value_of, where
+from cutpoint.scalars import Jet, Scalar, value_of
 
 Scalars = Sequence[Scalar]
-
-
-@dataclass(frozen=True)
-class Driven:
-    """A drive, and the indices of the segment, coordinate and speed that it drives."""
-
-    drive: Drive
-    segment: int
-    q: int
-    v: int
 
 
 @dataclass(frozen=True)
@@ -93,7 +75,7 @@ def elastic_inverse_dynamics(
     # a leader's torque is complete once its innermost follower has added its share
     innermost = {s.v.start: i for i, s in reversed([*enumerate(system.segments)])}
     whole_at = {innermost[d.v]: d for d in drives}
-    found: dict[int, _Motor] = {}
+    found: dict[int, MotorMotion] = {}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
     tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
@@ -104,14 +86,15 @@ def elastic_inverse_dynamics(
         if i in whole_at:
             driven = whole_at[i]
             held = strained[driven.segment]
-            found[driven.segment] = motor_motion(driven, tau[driven.v], q[driven.q], v[driven.v], options, held)
+            at = tau[driven.v], q[driven.q], v[driven.v]
+            found[driven.segment] = motor_motion(driven.drive, *at, held, friction_rates=options.friction_rates)
         if i in spins:
             F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
-    torques = [
-        motor_torque(d, found[d.segment], spins.get(d.segment), moved, strained[d.segment].motor) for d in drives
-    ]
+    torques = [motor_torque(d.drive, found[d.segment], strained[d.segment].motor) for d in drives]
+    for k, spin in ((k, spins[d.segment]) for k, d in enumerate(drives) if d.segment in spins):
+        torques[k] = torques[k] + value_of(spin.along(moved[spin.carrier].A.angular))
     theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
     return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
@@ -145,53 +128,8 @@ def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
     return jets
 
 
-@dataclass(frozen=True)
-class _Motor:
-    """A motor's motion with its derivatives, and the torque that its drive transmits, N m."""
-
-    theta: Jet
-    passed: Scalar
-
-
-def motor_motion(driven: Driven, tau: Jet, q: Scalar, v: Jet, options: Options, strains: Strains) -> _Motor:
-    """The motor motion for which its drive exerts the joint torque tau on the link."""
-    drive, tau_0, v_0 = driven.drive, tau.derivative(0), v.derivative(0)
-    link = Jet(q, *v.derivatives)
-    if drive.compliance is None:
-        return _Motor(link, tau_0 + friction_torque(drive.link_friction, v_0, strain=strains.link))
-    xi = friction_torque(drive.link_friction, v if options.friction_rates else v_0, strain=strains.link)
-    tau_f = tau + xi
-    on_spring = tau_f - slipping_torque(drive, strains.spring)
-    wound = _stiffened(drive, drive.compliance.deflection(on_spring), strains)
-    wound = beside_damping(drive, wound, on_spring.derivative(0))
-    return _Motor(motor_position(drive, link + wound), tau_f.derivative(0))
-
-
-def _stiffened(drive: Drive, wound: Jet, strains: Strains) -> Jet:
-    """A spring's deflection, its rates those of the spring with all sticking hysteresis elements."""
-    if drive.compliance is None or drive.hysteresis is None or strains.spring is None:
-        return wound
-    direction = where(wound.derivative(1) < 0, -1, 1)
-    spring, beside = drive.compliance.tangent(wound.derivative(0)), drive.hysteresis.sticking(strains.spring, direction)
-    share = spring / (spring + beside)
-    return Jet(wound.derivative(0), *(share * x for x in wound.derivatives[1:]))
-
-
-def motor_torque(
-    driven: Driven, motor: _Motor, spin: Spin | None, moved: Sequence[BodyMotion], strain: Scalar | None
-) -> Scalar:
-    """The motor's torque: on its drive, against friction, and on its rotor.  Xia (2019) eqs. (22), (27), (56)."""
-    drive, theta = driven.drive, motor.theta
-    torque = load_on_motor(drive, motor.passed, theta.derivative(0), theta.derivative(1), strain)
-    if drive.compliance is not None:
-        torque = torque + drive.reflected_inertia * theta.derivative(2)
-    if spin:
-        torque = torque + value_of(spin.along(moved[spin.carrier].A.angular))
-    return torque
-
-
 def _spin_wrench(
-    spin: Spin, moved: Sequence[BodyMotion], motor: _Motor, v: Any, a: Any, system: System, options: Options
+    spin: Spin, moved: Sequence[BodyMotion], motor: MotorMotion, v: Any, a: Any, system: System, options: Options
 ) -> Wrench:
     """Wrench of an elastic drive's rotor on its carrier, with as many derivatives as available."""
     own = system.segments[spin.joint]
@@ -205,21 +143,3 @@ def _spin_wrench(
 def _as_jet(x: Any) -> Jet:
     """The torque as a jet; one that does not depend on motion (no mass beyond the joint) comes as a plain number."""
     return x if isinstance(x, Jet) else Jet(x, 0, 0)
-
-
-def elastic_energy(
-    drives: Sequence[Driven],
-    q: Scalars,
-    theta: Scalars,
-    theta_dot: Scalars,
-    strains: Sequence[Strains] | None = None,
-) -> Scalar:
-    """Energy in springs and spinning rotors of the elastic drives, and in all strained elements, J."""
-    total: Scalar = 0
-    held = strains or [UNKNOWN] * len(drives)
-    for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, held, strict=True):
-        total = total + strain_energy(d.drive, s)
-        if d.drive.compliance is not None:
-            spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2
-            total = total + d.drive.compliance.energy(deflection(d.drive, theta_k, q[d.q])) + spin
-    return total
