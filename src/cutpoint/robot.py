@@ -38,7 +38,7 @@ Backend = Literal["auto", "llvm", "numpy"]
 class Robot:
     """A tree of bodies with its drives.  Immutable; its functions compile at their first call.
 
-    Every function takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
+    Every function but `linearize` and `modes` takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
     (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
     Quaternions (x, y, z, w) may have any length from 1e-50 on: all but `coordinate_rates` normalise them.
     A wrong shape, an unknown name or option, or a number that is not finite or beyond 1e15, raises InputError that

@@ -22,7 +22,7 @@ def linearize(
     *,
     friction: bool = False,
 ) -> LinearModel:
-    """The linear model of a robot near a state; derivatives by first-order jets, no step size to choose.
+    """The linear model of a robot near a state, exact to rounding: see `cutpoint.derivatives`.
 
     By default the robot rests: v is zero, each motor leads its link by the static deflection, and motor torques
     balance gravity.  With v, positions and speeds of motors are those of a motion at constant speed.  motor_torque

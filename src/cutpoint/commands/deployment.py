@@ -5,20 +5,9 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Name, by_name, law_of
-from cutpoint.commands.shared import (
-    Drives,
-    FloatingBase,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    RobotFile,
-    Xacro,
-    app,
-    robot_of,
-    say_path,
-)
+from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name, by_name, law_of
+from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
+from cutpoint.commands.shared import app, say_path
 from cutpoint.errors import InputError
 from cutpoint.functions.exported import RESULTS
 from cutpoint.mechanics.kinematics import ExpressedIn
@@ -29,6 +18,7 @@ C99 comes with a bit-exact self-test; functions can also be exported as CUDA C. 
 
 
 @app.command(help=HELP, epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")
+@takes_robot()
 def export(
     robot: RobotFile,
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder for the files; created if missing.")],
@@ -49,10 +39,7 @@ def export(
     period: Annotated[
         float | None, typer.Option("--period", "--control-period", help="Control period of the law, s; default 0.001.")
     ] = None,
-    guard: Annotated[
-        bool,
-        typer.Option("--guard", metavar="", help="Wrap the law in a Guard: limits of robot and drives, and faults."),
-    ] = False,
+    guard: Guarded = False,
     to: Annotated[
         Literal["c", "cuda"],
         typer.Option(help="What to write: c, a C99 package with a C++17 header, or cuda, CUDA C."),
@@ -61,12 +48,6 @@ def export(
         Literal["float64", "float32"],
         typer.Option(help="Precision of numbers; float32 for controllers without double precision."),
     ] = "float64",
-    drives: Drives = None,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
     expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
@@ -77,7 +58,6 @@ def export(
         bool, typer.Option("--force", metavar="", help="Overwrite files not written by cutpoint.")
     ] = False,
 ) -> None:
-    from cutpoint.control import Guard
     from cutpoint.export import export_controller, export_function
 
     _check_choice(
@@ -86,12 +66,11 @@ def export(
         {"--feedforward": feedforward, "--guard": guard or None, "--bandwidth": bandwidth, "--period": period},
         {"--frame": frame, "--expressed-in": expressed_in, "--to cuda": to if to == "cuda" else None},
     )
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro, floating_base=floating_base)
+    loaded = robot.load(floating_base=floating_base)
     if law is not None:
         bandwidth = BANDWIDTH if bandwidth is None else bandwidth
         period = PERIOD if period is None else period
-        step = law_of(loaded, law, bandwidth, feedforward, period)
-        step = Guard(step, loaded) if guard else step
+        step = law_of(loaded, law, bandwidth, feedforward, period, guard=guard)
         paths = export_controller(
             loaded, step, folder, control_period=period, precision=precision, name=name or "control_step", force=force
         )
@@ -108,7 +87,8 @@ def export(
 def _check_choice(function: str | None, law: str | None, of_laws: dict[str, Any], of_functions: dict[str, Any]) -> None:
     """Raises InputError unless either a function or a law is named, with no option of the other."""
     if (function is None) == (law is None):
-        raise InputError("export: give either --function or --law, not both")
+        told = "say what to export, by" if law is None else "leave out one of"
+        raise InputError(f"export: {told} --function or --law")
     strange, kind = (of_laws, "law") if law is None else (of_functions, "function")
     for option in [key for key, value in strange.items() if value is not None]:
         raise InputError(f"export: {option} applies only to --{kind}: leave it out")

@@ -6,44 +6,32 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
-    Drives,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    RobotFile,
     Smoothing,
-    Xacro,
     app,
     check_target,
     check_targets,
     console,
     keep_picture,
     motion_of,
-    robot_of,
     say_path,
 )
 from cutpoint.errors import InputError
 
 
 @app.command(epilog="Example: cutpoint check arm.urdf cycle.csv --drives arm.drives.yaml --dwell 0.5 --plot check.png")
+@takes_robot()
 def check(
     robot: RobotFile,
     trajectory: Annotated[
         Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time and joint positions.")
     ] = None,
-    drives: Drives = None,
     to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
     duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     smoothing: Smoothing = None,
     dwell: Annotated[float, typer.Option(help="Pause at the last position after the motion, s.")] = 0.0,
     period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
@@ -62,7 +50,7 @@ def check(
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = robot.load()
     cycle = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:

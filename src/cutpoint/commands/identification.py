@@ -6,21 +6,8 @@ from typing import Annotated, Any, Literal
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import (
-    Drives,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    RobotFile,
-    Xacro,
-    app,
-    arguments_of,
-    console,
-    robot_of,
-    say_notes,
-    say_path,
-)
+from cutpoint.commands.robot_file import RobotFile, takes_robot
+from cutpoint.commands.shared import app, console, say_notes, say_path
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
 from cutpoint.model.hand import hand_of
@@ -29,14 +16,9 @@ Corners = tuple[float, float, float, float, float, float]
 
 
 @app.command(epilog="Example: cutpoint excite xia2019 --speed 2 --travel 0.9 --seconds 60 --output excited")
+@takes_robot()
 def excite(
     robot: RobotFile,
-    drives: Drives = None,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     duration: Annotated[float, typer.Option(help="Duration of the motion, s: a whole number of its periods.")] = 10.0,
     harmonics: Annotated[int, typer.Option(help="Harmonics of the base frequency in each joint; at least 3.")] = 5,
     base_frequency: Annotated[
@@ -81,7 +63,7 @@ def excite(
     from cutpoint.identification import excitation
     from cutpoint.identification.excitation.table import FILES, save, table_of
 
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = robot.load()
     boxes = _boxes(loaded, box, frame)
     check_target_folder(output, "--output")
     found = excitation(
@@ -104,6 +86,7 @@ def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dic
 
 
 @app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")
+@takes_robot()
 def identify(
     robot: RobotFile,
     logs: Annotated[
@@ -116,12 +99,6 @@ def identify(
             metavar="FILE", help="What each channel of the logs is (YAML); without it, channels are found by name."
         ),
     ] = None,
-    drives: Drives = None,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     output: Annotated[
         Path,
         typer.Option(metavar="DIR", help="Folder for robot.urdf, robot.drives.yaml, parameters.json, report.html."),
@@ -179,12 +156,12 @@ def identify(
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
-    file = cutpoint.robots.XIA2019_URDF if str(robot) == "xia2019" else robot
+    loaded = robot.load()
+    file = cutpoint.robots.XIA2019_URDF if str(robot.path) == "xia2019" else robot.path
     found = identified(
         loaded, logs, mapping, hold_out=hold_out, springs=springs, rotors=rotors, friction=friction, method=method,
         solver=solver, cutoff=cutoff, bandwidth=bandwidth, torque_delay=delay, align=align, source=file,
-        xacro=arguments_of(xacro), progress=True,
+        xacro=robot.arguments, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
     console.print(table_of(found))

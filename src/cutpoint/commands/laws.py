@@ -43,6 +43,9 @@ Feed = Annotated[
     Rung | None,
     typer.Option("--feedforward", help="How much of the model to feed forward with PD or PID; default elastic."),
 ]
+Guarded = Annotated[
+    bool, typer.Option("--guard", metavar="", help="Wrap the law in a Guard: limits of robot and drives, and faults.")
+]
 Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
 
 BANDWIDTH, PERIOD = 5.0, 1e-3
@@ -52,8 +55,10 @@ WITHOUT_MODEL = ("PD", "PID")
 """Laws without a model of the robot, only gains."""
 
 
-def law_of(robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung | None, period: float) -> Any:
-    """The law with its gains, with feedforward added if it has none.  Raises InputError."""
+def law_of(
+    robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung | None, period: float, *, guard: bool = False
+) -> Any:
+    """The law with its gains, with feedforward added if it has none, in a guard if asked.  Raises InputError."""
     from cutpoint import control
 
     has_model = law not in WITHOUT_MODEL
@@ -61,6 +66,6 @@ def law_of(robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung
         rule = f"{law} already contains the robot's model; leave this out, or use --law {' or '.join(WITHOUT_MODEL)}"
         raise InputError(f"--feedforward {feedforward}: {rule}", law=law)
     tuned = control.tune(robot, bandwidth, getattr(control, law), control_period=period)
-    if has_model or feedforward == "none":
-        return tuned
-    return tuned + control.Feedforward(robot, feedforward or "elastic")
+    if not has_model and feedforward != "none":
+        tuned = tuned + control.Feedforward(robot, feedforward or "elastic")
+    return control.Guard(tuned, robot) if guard else tuned

@@ -7,18 +7,11 @@ import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Law, Period, law_of
+from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Guarded, Law, Period, law_of
+from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
-    Drives,
-    FloatingBase,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    RobotFile,
     Smoothing,
-    Xacro,
     app,
     check_targets,
     console,
@@ -26,7 +19,6 @@ from cutpoint.commands.shared import (
     keep_picture,
     motion_of,
     numbers_of,
-    robot_of,
     say_notes,
 )
 from cutpoint.commands.tables import (
@@ -47,18 +39,13 @@ CHARACTERS = 25
 
 
 @app.command(epilog="Example: cutpoint inspect xia2019")
+@takes_robot()
 def inspect(
     robot: RobotFile,
-    drives: Drives = None,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     floating_base: FloatingBase = False,
 ) -> None:
     """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro, floating_base=floating_base)
+    loaded = robot.load(floating_base=floating_base)
     console.print(robot_table(loaded))
     console.print(drive_table(loaded))
     console.print(f"frames: {', '.join(map(repr, loaded.frames))}", highlight=False)
@@ -67,6 +54,7 @@ def inspect(
 @app.command(
     epilog="Example: cutpoint simulate xia2019 --to 90,60,60,90,60,90 --degrees --duration 2 --law VDC --output run.npz"
 )
+@takes_robot()
 def simulate(
     robot: RobotFile,
     trajectory: Annotated[
@@ -77,16 +65,11 @@ def simulate(
     ] = "",
     duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
-    drives: Drives = None,
     degrees: Degrees = False,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     law: Law = "PD",
     bandwidth: Bandwidth = BANDWIDTH,
     feedforward: Feed = None,
+    guard: Guarded = False,
     period: Period = PERIOD,
     smoothing: Smoothing = None,
     output: Annotated[Path | None, typer.Option(metavar="FILE", help="Save the log: .npz or .csv.")] = None,
@@ -96,9 +79,9 @@ def simulate(
 ) -> None:
     """Simulate a robot under a control law, along a file's motion or a rest-to-rest cycloid; report the errors."""
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = robot.load()
     motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
-    controller = law_of(loaded, law, bandwidth, feedforward, period)
+    controller = law_of(loaded, law, bandwidth, feedforward, period, guard=guard)
     try:
         _check_log_fits(output, loaded, controller, motion, period)
         log = cutpoint.simulate(loaded, controller, motion, control_period=period)
@@ -117,16 +100,11 @@ def simulate(
 
 
 @app.command(epilog="Example: cutpoint modes xia2019 --q 0,30,60,0,45,0 --degrees --plot modes.png")
+@takes_robot()
 def modes(
     robot: RobotFile,
     q: Annotated[str, typer.Option(help="Positions, rad (m), separated by commas; default zero.")] = "",
-    drives: Drives = None,
     degrees: Degrees = False,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     friction: Annotated[
         bool,
         typer.Option(
@@ -139,7 +117,7 @@ def modes(
 ) -> None:
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = robot.load()
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)

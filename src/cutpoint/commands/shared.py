@@ -61,39 +61,8 @@ def _of_all_commands(
 _wide = sys.stdout is None or not sys.stdout.isatty()
 console = Console(width=120 if _wide else None, markup=False, emoji=False)
 
-RobotFile = Annotated[
-    Path, typer.Argument(metavar="ROBOT", help="URDF, xacro or MJCF file, or xia2019, the paper's arm.")
-]
-Drives = Annotated[Path | None, typer.Option(metavar="FILE", help="Drive file (YAML): see docs/drive-file.md.")]
-Mimics = Annotated[
-    Literal["independent", "coupled"],
-    typer.Option("--mimic", help="Mimic joints as independent coordinates, or tied to their leader."),
-]
-Locks = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--lock", metavar="JOINT=PLACE", help="Hold a joint fixed at a position, rad (m); repeat for more joints."
-    ),
-]
-Gravity = Annotated[
-    tuple[float, float, float] | None,
-    typer.Option(metavar="X Y Z", help="Gravity in the world's frame, m/s2; default: 0 0 -9.81, or an MJCF file's."),
-]
 # metavar: otherwise an option without a value would be shown with one
 Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles and their rates are given in degrees.")]
-FloatingBase = Annotated[
-    bool, typer.Option("--floating-base", metavar="", help="Carry the root link of a URDF on a free joint.")
-]
-MendInertia = Annotated[
-    bool,
-    typer.Option(
-        "--mend-inertia", metavar="", help="Enlarge physically impossible inertias of a URDF by what they lack."
-    ),
-]
-Xacro = Annotated[
-    list[str] | None,
-    typer.Option("--xacro", metavar="NAME:=VALUE", help="Argument of a .xacro file; repeat for more arguments."),
-]
 Smoothing = Annotated[
     float | None,
     typer.Option(
@@ -105,60 +74,6 @@ Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 OF_A_RUN = ("q", "position_error", "motor_torque")
 """The most informative channels of a run."""
-
-
-def robot_of(
-    path: Path,
-    drives: Path | None,
-    mimic: Literal["independent", "coupled"] = "independent",
-    lock: list[str] | None = None,
-    gravity: tuple[float, float, float] | None = None,
-    mend_inertia: bool = False,
-    xacro: list[str] | None = None,
-    *,
-    floating_base: bool = False,
-) -> cutpoint.Robot:
-    """The robot of a file, or one that comes with the package."""
-    if not path.suffix and str(path) != "xia2019" and not path.exists():
-        told = f"there is no file {str(path)!r}, and the only arm that comes with cutpoint is xia2019"
-        raise InputError(told, path=path)
-    if str(path) == "xia2019":
-        path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
-    options: dict[str, Any] = {
-        "mimic": mimic,
-        "lock": _places_of(lock or []),
-        "gravity": gravity,
-        "mend_inertia": mend_inertia,
-        "xacro": arguments_of(xacro),
-    }
-    return cutpoint.load(path, drives, floating_base=floating_base, **options)
-
-
-def _places_of(locks: list[str]) -> dict[str, float]:
-    """Where joints are locked.  Raises InputError."""
-    places: dict[str, float] = {}
-    for lock in locks:
-        joint, _, place = lock.rpartition("=")
-        if joint in places:
-            raise InputError(f"--lock {lock!r}: {joint!r} is already locked at {places[joint]:g}; give one position")
-        try:
-            places[joint] = float(place)
-        except ValueError:
-            joint = ""
-        if not joint:
-            raise InputError(f"--lock {lock!r} must be JOINT=PLACE, such as finger_joint=0.02, in rad (m)", lock=lock)
-    return places
-
-
-def arguments_of(given: list[str] | None) -> dict[str, str]:
-    """Arguments of a .xacro file.  Raises InputError."""
-    arguments: dict[str, str] = {}
-    for argument in given or []:
-        name, colon, value = argument.partition(":=")
-        if not name or not colon:
-            raise InputError(f"--xacro {argument!r} must be NAME:=VALUE, such as ur_type:=ur10e", argument=argument)
-        arguments[name] = value
-    return arguments
 
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:

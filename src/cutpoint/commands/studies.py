@@ -8,16 +8,8 @@ from typing import Annotated
 import typer
 
 from cutpoint.commands.laws import Period
-from cutpoint.commands.shared import (
-    Drives,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    Xacro,
-    app,
-    robot_of,
-)
+from cutpoint.commands.robot_file import RobotFile, takes_robot
+from cutpoint.commands.shared import app
 from cutpoint.errors import INTERRUPTED, InputError
 
 
@@ -58,20 +50,10 @@ def cost(
 
 
 @app.command(epilog="Example: cutpoint compare arm.urdf --drives arm.drives.yaml --quick --output compare")
+@takes_robot("xia2019", file="Robot file; xia2019, the paper's arm; or panda, from example-robot-data.")
 @_whole_report()
 def compare(
-    robot: Annotated[
-        Path,
-        typer.Argument(
-            metavar="ROBOT", help="Robot file; xia2019, the paper's arm; or panda, from example-robot-data."
-        ),
-    ] = Path("xia2019"),
-    drives: Drives = None,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
+    robot: RobotFile,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
@@ -87,18 +69,11 @@ def compare(
     """Compare all control laws on one arm at equal stiffness, with one departure from the model at a time."""
     from cutpoint.studies.compare import bench_of, panda, run
 
-    given = {
-        "--drives": drives,
-        "--lock": lock,
-        "--gravity": gravity,
-        "--mimic": mimic != "independent",
-        "--mend-inertia": mend_inertia,
-        "--xacro": xacro,
-    }
-    if str(robot) == "panda" and any(given.values()):
-        named = ", ".join(option for option, value in given.items() if value)
+    is_panda = str(robot.path) == "panda"
+    if is_panda and robot.given:
+        named = ", ".join(robot.given)
         raise InputError(f"panda takes no such options; leave out {named}, or give the path of your own robot file")
-    loaded = panda() if str(robot) == "panda" else robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = panda() if is_panda else robot.load()
     bench = bench_of(loaded, bandwidth=bandwidth, control_period=period, payload=payload, frame=frame)
     found = run(output, bench, seeds=seeds, quick=quick)
     if not found["settings"]["complete"]:

@@ -7,23 +7,16 @@ import numpy as np
 import typer
 
 import cutpoint
+from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
-    Drives,
-    Gravity,
-    Locks,
-    MendInertia,
-    Mimics,
-    RobotFile,
     Smoothing,
-    Xacro,
     app,
     check_targets,
     console,
     keep,
     motion_of,
     numbers_of,
-    robot_of,
     say_notes,
 )
 from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
@@ -43,6 +36,7 @@ FEWEST, MOST = 1000, 1e6
 
 
 @app.command(epilog="Example: cutpoint torque xia2019 --q 0,30,60,0,45,0 --degrees")
+@takes_robot()
 def torque(
     robot: RobotFile,
     trajectory: Annotated[
@@ -54,13 +48,7 @@ def torque(
     ] = None,
     v: Annotated[str, typer.Option(help="Speeds there, rad/s; default zero.")] = "",
     a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; default zero.")] = "",
-    drives: Drives = None,
     degrees: Degrees = False,
-    mimic: Mimics = "independent",
-    lock: Locks = None,
-    gravity: Gravity = None,
-    mend_inertia: MendInertia = False,
-    xacro: Xacro = None,
     smoothing: Smoothing = None,
     period: Annotated[float, typer.Option(help="Time between samples along a file's motion, s.")] = 1e-3,
     output: Annotated[
@@ -72,7 +60,7 @@ def torque(
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
     check_targets(output, plot)
-    loaded = robot_of(robot, drives, mimic, lock, gravity, mend_inertia, xacro)
+    loaded = robot.load()
     if trajectory is not None:
         if q is not None or v or a or degrees:
             rule = "leave out --q, --v, --a and --degrees; its first line names the units"

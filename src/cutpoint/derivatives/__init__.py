@@ -6,7 +6,7 @@ directions of `Robot.integrate`, which equal q except for quaternions and planar
 
 For large robots those of rigid dynamics run as loops over bodies, and those of accelerations follow from them.  Where
 loops do not support a robot of more than 24 bodies or 36 speeds, they are computed by sweeps, one configuration after
-another: see `sweeps`.
+another: see `sweeps`; those of elastic inverse dynamics are refused for more than 48 bodies.
 """
 
 from cutpoint.derivatives.functions import (

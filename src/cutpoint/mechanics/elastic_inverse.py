@@ -100,8 +100,11 @@ def elastic_inverse_dynamics(
 
 
 def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:
-    """How many time derivatives of the position an exact elastic inverse dynamics takes: 4, and 2 more for each further
-    rotor with full coupling along the longest arm.  Buondonno and De Luca (2015)."""
+    """How many time derivatives of the position an exact elastic inverse dynamics takes.  Buondonno and De Luca (2015).
+
+    4 with a spring; 2 more for each rotor with full coupling behind a spring that itself rides on a joint that bends,
+    along the arm that has most of them.
+    """
     depth = [0] * len(system.segments)
     elastic = {d.segment for d in drives if d.drive.is_elastic}
     carried = {spin.joint: spin.carrier for spin in system.spins if spin.elastic}

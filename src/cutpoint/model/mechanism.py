@@ -83,7 +83,7 @@ class Joint(Immutable):
     """How a child link moves on its parent.
 
     placement (4, 4): the joint's frame, at coordinate zero, in the parent's frame; it is the child's frame too.
-    axis (3,): unit vector in the joint's frame (unused for fixed and floating joints).
+    axis (3,): unit vector in the joint's frame (unused for fixed, spherical and floating joints).
     pitch: of a helical joint, m/rad.  second_axis: of a universal joint, in the frame that its first axis turned.
     damping (N m s/rad or N s/m) and friction (N m or N) as a URDF's <dynamics> states them.
     """

@@ -51,7 +51,7 @@ class Smoothed(Spline):
         deviation: from the samples.
         hurry: (n,) peak accelerations relative to a motion that need not start and end at rest; 1 for joints that
             hardly move.
-        gap: s, the longest time without samples, if the motion could oscillate in it; otherwise None.
+        gap: start and end, s, of the longest time without samples, if the motion could oscillate in it; else None.
     """
 
     bandwidth: float

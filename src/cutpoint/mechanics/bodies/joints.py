@@ -2,7 +2,7 @@
 
 Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and its
 torque under a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers the same
-names in the same order: axes, coordinates, neutral, pose, rates, integrated, difference, motion, effort.
+names in the same order: coordinates, axes, neutral, pose, rates, integrated, difference, motion, effort.
 """
 
 from collections.abc import Sequence

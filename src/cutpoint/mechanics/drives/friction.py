@@ -83,7 +83,7 @@ class Sliding(ABC):
         """Secant resistance of xi to a change of speed, N m s/rad, never below 0: about xi / speed.
 
         Not the slope, which nearly vanishes in sliding: a braking step would overshoot rest, and one at breakaway would
-        break away too early.  1 / sqrt(1 + x^2) approximates tanh(x) / x within 8 %, without a tanh.
+        break away too early.  1 / sqrt(1 + x^2) approximates tanh(x) / x within 8.1 %, without a tanh.
         """
         x = speed * (1 / self.smoothing)
         size = self.dry(speed, load, 0 if self.asymmetry is None else self.direction(speed))
