@@ -1,17 +1,19 @@
 """Arguments that are not a robot, recording, motion, path or number are refused by name, wherever they are passed."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from cutpoint import InputError, Log, Sensors
+from cutpoint import InputError, Log, Sensors, derivatives, load, simulate
 from cutpoint.analysis import followed_hysteresis, frequency_response, linearize, modes, torque_bound
 from cutpoint.control import PD, slowest_pole, tune
-from cutpoint.formats import dump_drives, parse_drives, parse_mjcf, parse_urdf
+from cutpoint.formats import dump_drives, load_mjcf, load_urdf, parse_drives, parse_mjcf, parse_urdf, save_drives
 from cutpoint.identification import (
     Recording,
+    Table,
     aligned,
     arm_torque,
     base_parameters,
@@ -27,8 +29,10 @@ from cutpoint.identification import (
     parse_mapping,
     read_recording,
     read_table,
+    recording_of,
     skews,
 )
+from cutpoint.robots import XIA2019_URDF
 from cutpoint.studies.sizing import sizing
 from cutpoint.trajectories import cycloid
 from robot_library import robot
@@ -76,11 +80,16 @@ def test_what_is_no_recording_of_a_robot(function: Callable[..., Any]):
         function(robot("xia2019"), None)
 
 
-@pytest.mark.parametrize("function", [Log.load, load_mapping, read_table, read_recording])
+@pytest.mark.parametrize(
+    "function",
+    [Log.load, load_mapping, read_table, read_recording, load_urdf, load_mjcf, partial(save_drives, drives={})],
+)
 def test_what_is_no_path(function: Callable[..., Any]):
     with pytest.raises(InputError, match=r"path must be the path of .*, got 7"):
         function(7)
 
+
+MAPPING = {"version": 1, "q": "q"}
 
 LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
 
@@ -141,6 +150,54 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
             lambda: Recording(TIME, "joint1", q=Q),
             r"Recording: joints must be names, such as robot.joints, got 'joint1'",
         ),
+        (lambda: Recording(TIME, ("joint1",), q=Q[:, :1], notes="late"), r"Recording: notes must be sentences, got"),
+        (
+            lambda: recording_of(3, parse_mapping(MAPPING)),
+            r"recording_of: table must be a Table \(read_table reads files\)",
+        ),
+        (
+            lambda: recording_of(Table(""), 4),
+            r"recording_of: mapping must be a ChannelMap \(load_mapping reads files\)",
+        ),
+        (lambda: derivative([1.0, 2.0], 1e-3), r"derivative: values has 2 samples; at least 3 are needed"),
+        (
+            lambda: identify_drives(robot("xia2019"), recording(), "coarse"),
+            r"identify_drives: resolution must be numbers, got 'coarse'",
+        ),
+        (
+            lambda: identify_drives(robot("xia2019"), recording(), [-1.0] * 6),
+            r"identify_drives: resolution must be one number, or one for each joint, rad \(m\), not negative, got",
+        ),
+        (
+            lambda: identify(robot("xia2019"), recording(), source=3),
+            r"identify: path must be the path of a file, got 3",
+        ),
+        (
+            lambda: identify(robot("xia2019"), recording(), springs="no"),
+            r"identify: springs must be True or False, got",
+        ),
+        (lambda: identify(robot("xia2019"), recording(), align=1), r"identify: align must be True or False, got 1"),
+        (lambda: load(XIA2019_URDF, floating_base="no"), r"load: floating_base must be True or False, got 'no'"),
+        (lambda: load_urdf(XIA2019_URDF, mend_inertia="no"), r"mend_inertia must be True or False, got 'no'"),
+        (lambda: robot("xia2019").modes(Q[0], friction="no"), r"friction must be True or False, got 'no'"),
+        (
+            lambda: parse_drives("version: 1", robot("xia2019")),
+            r"parse_drives: mechanism must be a Mechanism, as robot.mechanism, got <Robot",
+        ),
+        (
+            lambda: simulate(robot("xia2019"), None, MOVE, hold=False, accuracy="fast"),
+            r"accuracy 'fast' must be 'stand",
+        ),
+        (
+            lambda: simulate(robot("xia2019"), None, MOVE, hold=False, accuracy="fine"),
+            r"'fine' has no effect with hold",
+        ),
+        (lambda: derivatives.inverse_dynamics(None, *Q[:3]), r"derivatives: robot must be a Robot"),
+        (lambda: Log("now", {}, {}, ("a",)), r"Log: time must be numbers, got 'now'"),
+        (lambda: Log(TIME, None, {}, ("a",)), r"Log: channels must be arrays by name, got None"),
+        (lambda: Log(TIME, {}, None, ("a",)), r"Log: units must be the unit of every channel, by name, got None"),
+        (lambda: Log(TIME, {}, {}, None), r"Log: joints must be names, such as robot.joints, got None"),
+        (lambda: Log(TIME, {"q": "still"}, {"q": "rad"}, ("a",)), r"Log: q must be numbers, got 'still'"),
         (lambda: Recording("now", ("joint1",), q=Q[:, :1]), r"Recording: time must be numbers, got 'now'"),
         (lambda: Recording(TIME, ("joint1",), q="still"), r"Recording: q must be numbers, got 'still'"),
     ],

@@ -201,10 +201,10 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
             ["simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "1", "--law", "VDC", "--feedforward", "rigid"],
             "--feedforward rigid: VDC already contains the robot's model; leave this out, or use --law PD or PID",
         ),
-        (["export", "xia2019", "out"], "give either --function or --law, not both"),
+        (["export", "xia2019", "out"], "export: say what to export, by --function or --law"),
         (
             ["export", "xia2019", "out", "--law", "PD", "--function", "jacobian"],
-            "give either --function or --law, not both",
+            "export: leave out one of --function or --law",
         ),
         (
             ["export", "xia2019", "out", "--law", "PD", "--frame", "link6"],

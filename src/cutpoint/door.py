@@ -97,6 +97,12 @@ def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ..
         raise refused(function, name, value, rule)
 
 
+def check_truths(function: str, **given: Any) -> None:
+    """Raises InputError for an argument that is not True or False; a text would be taken as True."""
+    for name, value in given.items():
+        check_kind(function, name, value, (bool, np.bool_), "True or False")
+
+
 def path_of(function: str, value: Any, of: str = "a file") -> Path:
     """The argument as a path.  Raises InputError for anything else.  of: what it is the path of."""
     check_kind(function, "path", value, (str, PathLike), f"the path of {of}")

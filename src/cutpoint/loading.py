@@ -9,7 +9,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
-from cutpoint.door import DRIVES, check_kind, driven_joints, path_of
+from cutpoint.door import DRIVES, check_kind, check_truths, driven_joints, path_of
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import drive_of, load_urdf
 from cutpoint.model import Drive, Mechanism
@@ -48,6 +48,7 @@ def load(
     path = path_of("load", path, "a robot file")
     check_kind("load", "drives", drives, (str, PathLike, Mapping, NoneType), f"the path of a drive file, or {DRIVES}")
     check_kind("load", "lock", lock, (Mapping, NoneType), "a coordinate for each joint that is held, by name")
+    check_truths("load", floating_base=floating_base, mend_inertia=mend_inertia)
     check_kind("load", "xacro", xacro, (Mapping, NoneType), "arguments of a .xacro file, by name")
     suffix = path.suffix.lower()
     if suffix in (".urdf", ".xacro"):

@@ -38,8 +38,9 @@ Backend = Literal["auto", "llvm", "numpy"]
 class Robot:
     """A tree of bodies with its drives.  Immutable; its functions compile at their first call.
 
-    Every function but `linearize` and `modes` takes batches: leading axes broadcast as in NumPy.  Angles in rad, torques in N m, at the joint's
-    (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta and motor torques one a drive.
+    Every function but `linearize` and `modes` takes batches: leading axes broadcast as in NumPy.  Angles in rad,
+    torques in N m, at the joint's (link) side; prismatic joints in m and N.  q has nq entries, v and a have nv, theta
+    and motor torques one a drive.
     Quaternions (x, y, z, w) may have any length from 1e-50 on: all but `coordinate_rates` normalise them.
     A wrong shape, an unknown name or option, or a number that is not finite or beyond 1e15, raises InputError that
     names it.  Forward dynamics raise ModelError where a joint moves no inertia.
@@ -538,7 +539,7 @@ class Robot:
             return door.checked_array(name, "angle", angle, ratio.size) * ratio**direction
         if torque is not None and angle is None:
             return door.checked_array(name, "torque", torque, ratio.size) * ratio**-direction
-        raise InputError(f"{name}: give either angle= or torque=, not both")
+        raise InputError(f"{name}: give one of angle= and torque=, got {'neither' if angle is None else 'both'}")
 
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())

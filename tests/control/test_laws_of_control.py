@@ -146,7 +146,7 @@ def test_gains_for_a_bandwidth_make_a_second_order_system_of_each_joint(bandwidt
         (lambda: PD([-1.0] * 6, [1.0] * 6), r"PD: kp = \[-1.0.*must be .*not negative, one for each drive"),
         (lambda: PD([1.0] * 6, [np.nan] * 6), "PD: kd = .*must be .*finite"),
         (lambda: PD([1.0] * 6, [1.0] * 5), r"kp has shape \(6,\), (but|and) kd (has shape )?\(5,\)"),
-        (lambda: PD([[1.0]], [[1.0]]), "PD: kp = .*one for each drive"),
+        (lambda: PD([[1.0]], [[1.0]]), "PD: kp has shape .*one for each drive"),
         (lambda: PD([1.0], [1.0], side="base"), "side 'base' must be 'motor' or 'link'"),
         (lambda: GravityCompensation(robot("xia2019"), side="both"), "side 'both' must be 'motor' or 'link'"),
         (

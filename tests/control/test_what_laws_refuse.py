@@ -76,8 +76,28 @@ REFUSED = {
         lambda: VDC(elbow(), [9.0] * 3, 5.0, 3.0, 60.0),
         r"VDC: position_gain has 3 numbers; it must have one, or one for each of 2 drives",
     ),
-    "a gain that is nothing": (lambda: PD(None, 1.0), r"PD: kp = None must be finite"),
-    "gains that are nothing": (lambda: PD([None] * 2, 1.0), r"PD: kp = \[None, None\] must be finite"),
+    "a gain that is nothing": (lambda: PD(None, 1.0), r"PD: kp must be numbers, one for each drive, got None"),
+    "gains that are nothing": (lambda: PD([None] * 2, 1.0), r"PD: kp must be numbers, .*, got \[None, None\]"),
+    "gains of different lengths": (lambda: PD([[1.0, 2.0], [3.0]], 1.0), r"PD: kp must be numbers, one for each drive"),
+    "body gains of different lengths": (lambda: vdc(body_gain=[[1.0], [2.0, 3.0]]), r"body_gain must be numbers, got"),
+    "a reaction that is a list": (
+        lambda: Guard(PD(1.0, 1.0), elbow(), reactions={"speed": ["stop"]}),
+        r"no reaction is named \['stop'\]; there are: 'hold', 'ramp', 'stop'",
+    ),
+    "a model of another robot": (
+        lambda: vdc(parameters=[1.0, 2.0]),
+        r"VDC: parameters must be [0-9]+ numbers, as robot.drive_parameters, got shape \(2,\)",
+    ),
+    "a model that is a text": (lambda: vdc(parameters="abc"), r"VDC: parameters must be numbers, got 'abc'"),
+    "a model with NaN": (
+        lambda: vdc(parameters=np.nan * elbow().drive_parameters),
+        r"VDC: parameters must be [0-9]+ numbers, as robot.drive_parameters, got NaN among them",
+    ),
+    "a tuned law's bound": (lambda: tune(elbow(), 3.0, Robust, bound="x"), r"Robust: bound must be numbers, .*got 'x'"),
+    "a tuned law's shaping": (
+        lambda: tune(elbow(), 3.0, FullStateFeedback, shaping=[0.5] * 3),
+        r"FullStateFeedback: shaping has 3 numbers; it must have one, or one for each of 2 drives",
+    ),
     "a time that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), ramp_time="a"), r"Guard: ramp_time must be one num"),
     "a limit that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), torque_limit="a"), r"torque_limit a must be numb"),
     "faults without names": (lambda: Guard(PD(1.0, 1.0), elbow(), reactions=5), r"reactions must be a reaction for"),
@@ -91,7 +111,7 @@ REFUSED = {
     ),
     "a gain matrix for numbers": (
         lambda: VDC(elbow(), 9.0, A[:2, :2], 3.0, 60.0),
-        r"(?s)VDC: speed_gain = .*one for each drive",
+        r"VDC: speed_gain has shape \(2, 2\); it must be a number, or a list of one for each drive",
     ),
     "a filter that stands still": (
         lambda: vdc(derivatives="filter", filter_bandwidth=0.0),

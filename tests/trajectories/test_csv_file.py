@@ -113,8 +113,8 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
             "t,elbow\n0,1\n1,90\n",
             r"joint 'elbow': position 90.0 looks like degrees; .*'elbow \[deg\]'.*motion.csv:3",
         ),
-        ("t,elbow\n0,1\n1,2\n", r"2 points are too few: at least 4 are needed \(.*motion.csv\)"),
-        ("t,elbow\n", r"0 points are too few"),
+        ("t,elbow\n0,1\n1,2\n", r"2 points found: at least 4 are needed \(.*motion.csv\)"),
+        ("t,elbow\n", r"0 points found"),
         ("t,elbow\n0," + "1" * 200_000, r"file is not comma-separated UTF-8 text: field larger"),
     ],
 )

@@ -143,7 +143,7 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
         ({"joints": ["a", "b"]}, r"2 joint names must match the number of positions, 1"),
         ({"t": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
         ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),
-        ({"t": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points are too few: at least 4 are needed"),
+        ({"t": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points found: at least 4 are needed"),
         (
             {"t": TIMES[:6] * 20, "q": np.deg2rad([0, 20, 60, 80, 40, 0.0])[:, None], "joints": ["a"]},
             r"smoothed to 2.5 Hz the motion leaves its samples by 0.702 rad \(m\), where joint 'a' moves by 1.4: give",

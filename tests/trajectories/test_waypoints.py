@@ -86,7 +86,7 @@ def test_a_motion_of_two_points_is_the_same_in_both_directions():
 @pytest.mark.parametrize(
     ("times", "points", "message"),
     [
-        ([0.0], [[1.0]], r"1 points are too few: at least 2 are needed"),
+        ([0.0], [[1.0]], r"1 point found: at least 2 are needed"),
         ([0.0, 1.0], [[0.0], [np.nan]], r"joint 0: position nan at index 1 must be finite"),
         ([0.0, np.inf], [[0.0], [1.0]], r"time at index 1 is inf: it must be finite"),
         ([0.0, 2.0, 1.0], [[0.0], [1.0], [2.0]], r"time 1.0 s at index 2 must be later than 2.0 s, the one before it"),

@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
 from cutpoint.analysis.plant import Plant, plant_of
 from cutpoint.derivatives.sweeps import Slopes
-from cutpoint.door import checked_array
+from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.special_robots import check_quaternions, quaternions_of
 from cutpoint.robot import Robot, check_robot
@@ -67,6 +67,7 @@ def _operating_point(
     robot: Robot, q: ArrayLike, v: ArrayLike | None, motor_torque: ArrayLike | None, friction: bool
 ) -> tuple[OperatingPoint, Plant]:
     check_robot("linearize", robot)
+    check_truths("linearize", friction=friction)
     if not robot.nv:
         raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
     q = _configuration(robot, q)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import is_traced
+from cutpoint.door import as_numbers, refused
 from cutpoint.errors import InputError
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
@@ -19,18 +20,28 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     size: n, if known; a single number is then used for all.  positive: whether zero is refused as well.
     Raises InputError for invalid gains.
     """
-    array = np.atleast_1d(np.asarray(value))
+    array = np.atleast_1d(_array(law, name, value, "numbers, one for each drive"))
     if is_traced(array):
         return array
-    are_finite = array.dtype.kind in "biuf" and array.ndim == 1 and np.isfinite(array).all()
-    if not are_finite or (array < 0).any() or (positive and (array == 0).any()):
+    if array.ndim > 1:
+        raise InputError(f"{law}: {name} has shape {array.shape}; it must be a number, or a list of one for each drive")
+    if not np.isfinite(array).all() or (array < 0).any() or (positive and (array == 0).any()):
         rule = "positive" if positive else "not negative"
         raise InputError(f"{law}: {name} = {value} must be finite and {rule}, one for each drive", gains=value)
     if size is None:
-        return array.astype(float)
+        return array
     if array.size not in (1, size):
         raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
     return np.broadcast_to(array, size).astype(float)
+
+
+def _array(law: str, name: str, value: Any, rule: str) -> Any:
+    """The value as an array of floats, or of traced numbers.  Raises InputError.  rule: what it must be."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # lists of different lengths
+        raise refused(law, name, value, rule) from None
+    return array if is_traced(array) else as_numbers(law, name, value, rule)
 
 
 def motor_limits(robot: Robot) -> Any:
@@ -43,11 +54,9 @@ def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:
 
     Raises InputError where one is not positive definite, with its least eigenvalue.
     """
-    array = np.asarray(value)
+    array = _array(law, name, value, "numbers")
     if is_traced(array):
         return array
-    if array.dtype.kind not in "biuf":
-        raise InputError(f"{law}: {name} = {value} must be numbers", gains=value)
     if array.ndim == 0 or array.shape == (6,):
         array = np.broadcast_to(array, 6) * np.eye(6)
     if array.shape not in ((6, 6), (size, 6, 6)):

@@ -11,10 +11,10 @@ from cutpoint.derivatives import definitions, large, sweeps
 from cutpoint.door import LARGEST
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
-from cutpoint.functions.compiled import compiled_of
+from cutpoint.functions.compiled import RobotKernels, compiled_of
 from cutpoint.functions.variants import motion_names, with_options, wrong_motion
 from cutpoint.mechanics.elastic_inverse import Options
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
@@ -76,7 +76,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
     """Derivatives of `Robot.inverse_dynamics`, the joint torques of a motion."""
-    if made := compiled_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
@@ -86,7 +86,7 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
     """Derivatives of `Robot.forward_dynamics`, the accelerations under joint torques."""
-    if made := compiled_of(robot).functions.get(("forward_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
@@ -113,12 +113,12 @@ def elastic_inverse_dynamics(
     Strains are not supported.
     """
     with_options(friction_rates, quasi_rigid)  # checks them
-    options = Options(friction_rates, quasi_rigid)
+    options, kernels = Options(friction_rates, quasi_rigid), _kernels_of(robot)
     needed = 4 if quasi_rigid else robot.derivatives_needed
     given = (q, v, a, jerk, snap, *higher)
     if len(given) != needed + 1:
         raise wrong_motion("derivatives.elastic_inverse_dynamics", len(given) - 1, needed)
-    function = compiled_of(robot).functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
+    function = kernels.functions.get((_ELASTIC_INVERSE, options)) or _elastic_inverse(robot, needed, options)
     found = function(*given)
     return ElasticInverseDynamicsDerivatives(*found[:5], d_higher=tuple(found[5:]))
 
@@ -127,13 +127,13 @@ def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
     """Derivatives of `Robot.elastic_forward_dynamics`, the accelerations of links and motors under motor torques."""
-    if made := compiled_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):
         a = robot.elastic_forward_dynamics(**state).a
-        function = compiled_of(robot).function
+        function = _kernels_of(robot).function
         slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
         rigid = _rigid_at(robot, name, q, v, a)
         solver = _solver(robot)
@@ -147,9 +147,18 @@ def elastic_forward_dynamics(
 _ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
 
 
+def _kernels_of(robot: Robot) -> RobotKernels:
+    """What a robot keeps for its functions.  Raises InputError for anything but a robot."""
+    try:
+        return compiled_of(robot)
+    except AttributeError:
+        check_robot("derivatives", robot)
+        raise
+
+
 def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..., Any]:
     """The derivatives of an elastic inverse dynamics, compiled.  Raises InputError if the robot is too large."""
-    bodies, compiled = len(robot.mechanism.bodies), compiled_of(robot)
+    bodies, compiled = len(robot.mechanism.bodies), _kernels_of(robot)
     most = MOST_LOOPED if compiled.loops((_ELASTIC_INVERSE, options)) else MOST_COMPILED
     if bodies > most:
         raise sweeps.too_large(bodies, most)
@@ -166,7 +175,7 @@ def elastic_loops(robot: Robot) -> bool:
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
     """The derivatives of inverse dynamics at the accelerations that a function of this name computed."""
-    compiled_of(robot).remember_as_loops(f"{name}_derivatives")
+    _kernels_of(robot).remember_as_loops(f"{name}_derivatives")
     try:
         return inverse_dynamics(robot, q, v, a)
     except InputError as error:
@@ -179,12 +188,12 @@ def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> 
 
 def _solver(robot: Robot) -> "Solver | None":
     """Solver of equations with the mass matrix, where derivatives run as loops."""
-    return compiled_of(robot).solver if _is_looped(robot) else None
+    return _kernels_of(robot).solver if _is_looped(robot) else None
 
 
 def _is_looped(robot: Robot) -> bool:
     """Whether derivatives of rigid dynamics run as loops.  Raises InputError if their matrices would be too large."""
-    if not compiled_of(robot).derivatives_loop:
+    if not _kernels_of(robot).derivatives_loop:
         return False
     if len(robot.mechanism.bodies) > MOST_LOOPED:
         raise sweeps.too_large(len(robot.mechanism.bodies), MOST_LOOPED)
@@ -202,4 +211,4 @@ def _function(
 ) -> Callable[..., Any]:
     """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
     key = (f"{name}_derivatives", None)
-    return compiled_of(robot).function(key, definition, inputs, reads_drives, record)
+    return _kernels_of(robot).function(key, definition, inputs, reads_drives, record)

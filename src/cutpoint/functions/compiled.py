@@ -144,6 +144,9 @@ class RobotKernels:
 
     def with_parameters(self, parameters: Sequence[Any], lean: bool = False) -> Machine:
         """The machine, or the lean one, with these drive parameters."""
+        if len(parameters) != len(self.parameters):
+            rule = f"must be {len(self.parameters)} numbers, as drive_parameters"
+            raise InputError(f"machine_with: parameters {rule}, got {len(parameters)}")
         new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
         if self._rotors_are_felt:
             return machine_of(self._mechanism, new, lean_framing(self._mechanism) if lean else None)

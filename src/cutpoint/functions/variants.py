@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint import definitions
-from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
+from cutpoint.door import are_plain_vectors, check_kind, check_truths, checked_array, checked_name
 from cutpoint.errors import InputError
 from cutpoint.mechanics.elastic_inverse import Options
 
@@ -64,7 +64,6 @@ def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
 
 @cache
 def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
-    for name, value in {"friction_rates": friction_rates, "quasi_rigid": quasi_rigid}.items():
-        check_kind("elastic_inverse_dynamics", name, value, (bool, np.bool_), "True or False")
+    check_truths("elastic_inverse_dynamics", friction_rates=friction_rates, quasi_rigid=quasi_rigid)
     options = Options(friction_rates, quasi_rigid)
     return partial(definitions.elastic_inverse_dynamics, options=options)

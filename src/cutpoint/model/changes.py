@@ -40,7 +40,9 @@ def with_base(mechanism: Mechanism, placement: ArrayLike) -> Mechanism:
         matrix.shape == (4, 4) and matrix.dtype.kind in "fiu" and bool((np.abs(matrix) <= LARGEST_NUMBER).all())
     )
     if not are_numbers or not is_rigid(matrix):
-        raise ModelError("base: placement must be (4, 4), a proper rotation and a translation", placement=matrix)
+        found = f"shape {matrix.shape}" if matrix.shape != (4, 4) else f"{matrix.tolist()}"
+        rule = "must be (4, 4), a proper rotation and a translation"
+        raise ModelError(f"base: placement {rule}, got {found}", placement=matrix)
     moved = [replace(b, placement=matrix @ b.placement) if b.parent == WORLD else b for b in mechanism.bodies]
     frames = {
         name: Frame(name, WORLD, matrix @ f.placement) if f.body == WORLD and name != "world" else f

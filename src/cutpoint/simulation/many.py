@@ -86,7 +86,7 @@ def simulate_many(
     per run.  Runs with different structures, mechanisms or laws are compiled and packed separately; laws that cannot be
     compiled run one by one as Python callbacks.
     duration: s; that of the longest trajectory by default.  substeps: by default enough for the most demanding run.
-    channels: names of the channels to record; logs of 10 s with all channels take 7 MB each.
+    channels: names of the channels to record, as for `simulate`; logs of 10 s with all channels take 7 MB each.
     each: a function of a log whose result is kept instead, as soon as its pack is done.
     Runs give what `simulate` gives with as many substeps, to the last bit.  One that diverges does not stop the others.
     Ctrl-C ends all runs, and the results so far are returned.

@@ -90,7 +90,7 @@ def run(loop: ClosedLoop, memory: dict[str, Array], substeps: int, integrate: In
                 reached = advance(done, ticks)
                 done += reached
                 # nothing is computed after the last sample
-                if is_no_number(loop, memory) or (memory["fault"][0] and done < total):
+                if is_no_number(memory) or (memory["fault"][0] and done < total):
                     return Outcome(done, diagnosis(loop, memory, done), diverged=True)
                 chunk = next_chunk(ticks, time.perf_counter() - before)
                 bar.show(done * loop.period)
@@ -136,7 +136,7 @@ def _advance(
         if call:
             memory["command"][:] = call(memory["measured"], memory["row"][first])
         run_samples(after, memory, first, 1, None if integrate else substeps)
-        if integrate and first + 1 < len(memory["row"]) and not is_no_number(loop, memory):
+        if integrate and first + 1 < len(memory["row"]) and not is_no_number(memory):
             integrate(memory, memory["row"][first])
         return 1
 
@@ -164,7 +164,7 @@ def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: i
     return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
 
 
-def is_no_number(loop: ClosedLoop, memory: dict[str, Array]) -> bool:
+def is_no_number(memory: dict[str, Array]) -> bool:
     """Whether the last command, or its motor reference, is not a number for some drive."""
     return bool(np.isnan(memory["command"][:-1]).any())
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection
 from types import NoneType
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,14 +89,15 @@ def simulate(
         a run needed more.
     hold: False lets the controller act in continuous time, as stability proofs assume, for laws, sensors and drives
         without memory; it is integrated as "reference" is, and logged each control period.
-    channels: names of the channels to record, which saves time and memory; all by default.
+    channels: names of the channels to record, which saves time and memory; all by default.  Without q, theta and
+        theta_dot among them nothing can warn of substeps that were too few.
     Returns a Log with one sample each control period, time 0 and the end, as rounded, included.
     Raises InputError for wrong arguments, SimulationError (with the log so far) on divergence, on a command that is not
     a number, or on Ctrl-C.
     """
     check_kinds(robot=robot, trajectory=trajectory, initial=initial, sensors=sensors, disturbances=disturbances,
                 channels=channels, hold=hold)  # fmt: skip
-    accuracy = accuracy if hold else "reference"
+    accuracy = _accuracy_of(accuracy, hold)
     times = sample_times(trajectory, duration, control_period)
     reference = reference_at(robot, trajectory, initial, times)
     law = admitted(robot, controller)
@@ -118,6 +119,17 @@ def simulate(
     if integrate is None and substeps is None:
         check_steps(robot, log)
     return log
+
+
+def _accuracy_of(accuracy: Accuracy, hold: bool) -> Accuracy:
+    """The accuracy that a run has.  Raises InputError for one that is unknown, or that a run has not without hold."""
+    if accuracy not in get_args(Accuracy):
+        raise InputError(f"simulate: accuracy {accuracy!r} must be {', '.join(map(repr, get_args(Accuracy)))}")
+    if hold:
+        return accuracy
+    if accuracy == "fine":
+        raise InputError("simulate: accuracy='fine' has no effect with hold=False, which is 'reference': leave it out")
+    return "reference"
 
 
 def check_kinds(**given: Any) -> None:
@@ -179,8 +191,6 @@ def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, 
 
 def steps_of(robot: Robot, accuracy: str, substeps: int | None, period: float, start: State, reference: Array) -> Steps:
     """Integration steps per control period: the caller's, or those for the accuracy."""
-    if accuracy not in ("standard", "fine", "reference"):
-        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
     check_delays("simulate", robot, period)
     if accuracy == "reference":
         if substeps is not None:

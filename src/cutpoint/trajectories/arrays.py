@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import LARGEST, as_numbers
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def _check_shapes(t: Array, q: Array, least: int, joints: Sequence[str] | None) 
     if t.ndim != 1 or q.ndim != 2 or q.shape[0] != t.size or q.shape[1] == 0:
         raise InputError(f"times of shape {t.shape} and positions of shape {q.shape} must be (N,) and (N, joints)")
     if t.size < least:
-        raise InputError(f"{t.size} points are too few: at least {least} are needed", count=t.size)
+        raise InputError(f"{counted(t.size, 'point')} found: at least {least} are needed", count=t.size)
     if joints is not None and len(joints) != q.shape[1]:
         raise InputError(f"{len(joints)} joint names must match the number of positions, {q.shape[1]}")
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.door import positive
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.trajectories.arrays import Array, positions
 from cutpoint.trajectories.trajectory import Trajectory
 
@@ -30,7 +30,8 @@ class PointToPoint(Trajectory):
         last = positions("end", end)
         first = positions("start", np.zeros_like(last) if start is None else start)
         if first.shape != last.shape:
-            raise InputError(f"start has {first.size} joints and end has {last.size}: the numbers must match")
+            found = f"start has {counted(first.size, 'joint')} and end has {last.size}"
+            raise InputError(f"{found}: the numbers must match")
         return cls(positive(cls.__name__.lower(), "duration", duration, "s"), first, last)
 
     @property

@@ -23,12 +23,11 @@ RUNGS: tuple[Rung, ...] = ("gravity", "rigid", "rotor", "friction", "elastic")
 class Feedforward(ModelLaw):
     """Motor torque of the desired motion; each rung (level of detail) includes those before it.
 
-    gravity: gravity torques.  rigid: plus the links' dynamics, (29)-(31), (44)-(47).  rotor: plus rotor inertia (56), which
-    behind rigid drives counts from rigid on.
-    friction: plus friction (54)-(55).  elastic: all of these through the elastic drives, with a reference for the
-    motor, q_d plus the deflection (2), from which nearly all of the improvement comes; with kinematic error,
-    hysteresis, presliding, ripple and cogging where the drives have them.  Rotors with full coupling act on their
-    carriers as if their drives were rigid, so that four derivatives suffice.
+    gravity: gravity torques.  rigid: plus the links' dynamics, (29)-(31), (44)-(47), and rotors that rigid drives turn.
+    rotor: plus the other rotors' inertia (56).  friction: plus friction (54)-(55).  elastic: all of these through the
+    elastic drives, with a reference for the motor, q_d plus the deflection (2), from which nearly all of the
+    improvement comes; with kinematic error, hysteresis, presliding, ripple and cogging where the drives have them.
+    Rotors with full coupling act on their carriers as if their drives were rigid, so that four derivatives suffice.
     """
 
     rung: Rung = "elastic"

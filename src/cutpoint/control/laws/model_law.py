@@ -3,9 +3,13 @@
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from cutpoint.control.gains import motor_limits
+from cutpoint.control.interface import is_traced
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
+from cutpoint.door import as_numbers
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
 from cutpoint.robot import Robot, check_robot
@@ -24,8 +28,16 @@ class ModelLaw(Law):
 
     def __post_init__(self) -> None:
         check_all_driven(type(self).__name__, self.robot)
+        own = self.robot.drive_parameters
         if self.parameters is None:
-            self._set(parameters=self.robot.drive_parameters)
+            self._set(parameters=own)
+        elif not is_traced(np.asarray(self.parameters)):
+            given = as_numbers(type(self).__name__, "parameters", self.parameters)
+            if given.shape != own.shape or np.isnan(given).any():
+                found = f"shape {given.shape}" if given.shape != own.shape else "NaN among them"
+                rule = f"must be {own.size} numbers, as robot.drive_parameters"
+                raise InputError(f"{type(self).__name__}: parameters {rule}, got {found}")
+            self._set(parameters=given)
 
     def _keep_torque_limit(self) -> None:
         """Stores torque_limit, by default the motor limits that robot and drives state."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.gains import motor_limits
+from cutpoint.control.gains import gains, motor_limits
 from cutpoint.control.laws.adaptive_vdc import AdaptiveVDC
 from cutpoint.control.laws.computed_torque import ComputedTorque
 from cutpoint.control.laws.elastic_computed_torque import ElasticComputedTorque
@@ -61,14 +61,15 @@ def _slotine_li(w: Design, **options: Any) -> SlotineLi:
 
 def _robust(w: Design, **options: Any) -> Robust:
     """Within its width the bounded term adds the damping bound / width, here at most the speed gain."""
-    bound, speed_gain = options.get("bound", _missed(w)), w.omega * w.inertia
+    bound, speed_gain = gains("Robust", "bound", options.get("bound", _missed(w)), len(w.inertia)), w.omega * w.inertia
     width = np.maximum(0.05, bound / speed_gain)
-    return Robust(w.robot, w.omega, speed_gain, **{"bound": bound, "width": width, **options})
+    return Robust(w.robot, w.omega, speed_gain, **{"width": width, **options, "bound": bound})
 
 
 def _full_state(w: Design, **options: Any) -> FullStateFeedback:
     """Damping for the reduced inertia, which the same stiffness accelerates faster."""
-    left = w.link + np.where(w.rotor > 0.0, options.get("shaping", 0.5), 1.0) * w.rotor
+    shaping = gains("FullStateFeedback", "shaping", options.get("shaping", 0.5), len(w.inertia))
+    left = w.link + np.where(w.rotor > 0.0, shaping, 1.0) * w.rotor
     damping = 2 * w.damping * w.omega * np.sqrt(w.inertia * left)
     return FullStateFeedback(w.robot, w.stiffness, damping, **{"lead": w.period, **options})
 

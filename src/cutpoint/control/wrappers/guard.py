@@ -1,6 +1,6 @@
 """Safety around a law: limits on its torque, checks of its measurements, and the reaction to faults."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import partial, reduce
@@ -12,8 +12,7 @@ from cutpoint.control.interface import SENSED, Command, Measurement, Reference, 
 from cutpoint.control.law import Wrapper, as_law, check_drives
 from cutpoint.control.own_law import own_parts
 from cutpoint.control.wrappers.guard_limits import LIMITS, limits_of
-from cutpoint.door import check_kind, positive
-from cutpoint.errors import unknown_name
+from cutpoint.door import check_kind, checked_name, positive
 from cutpoint.kernels import Traced
 from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
@@ -90,12 +89,10 @@ class Guard(Wrapper):
     def __post_init__(self) -> None:
         check_robot("Guard", self.robot)
         self._set(law=as_law(self.law))
-        check_kind("Guard", "reactions", self.reactions, dict, "a reaction for each of some faults, by name")
+        check_kind("Guard", "reactions", self.reactions, Mapping, "a reaction for each of some faults, by name")
         for name, reaction in self.reactions.items():
-            if name not in REACTIONS:
-                raise unknown_name("fault", name, REACTIONS)
-            if reaction not in SEVERITY:
-                raise unknown_name("reaction", reaction, SEVERITY)
+            checked_name("fault", name, REACTIONS)
+            checked_name("reaction", reaction, SEVERITY)
         if not isinstance(self.ramp_time, Traced):
             self._set(ramp_time=positive("Guard", "ramp_time", self.ramp_time, "s"))
         self._set(**limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}))

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from cutpoint.callers import warn
-from cutpoint.door import DRIVES, check_kind
+from cutpoint.door import DRIVES, check_kind, path_of
 from cutpoint.errors import InputError, listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drives.drive_sheet import DriveSheet, FileSheet
@@ -41,7 +41,7 @@ def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] 
     Warns, DegreesWarning, of position limits that look like degrees; UnitsWarning, of numbers in a data sheet's units.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
-    path = Path(path)
+    path = path_of("load_drives", path)
     return parse_drives(read_bytes(path, MAXIMUM_BYTES), mechanism, str(path), locked)
 
 
@@ -50,6 +50,7 @@ def parse_drives(
 ) -> dict[str, Drive]:
     """The drives of a drive file in memory; `place` names it in messages.  Errors as in `load_drives`."""
     check_kind("parse_drives", "content", content, (str, bytes), "the text of a drive file (load_drives reads files)")
+    check_kind("parse_drives", "mechanism", mechanism, Mechanism, "a Mechanism, as robot.mechanism")
     document = parse_yaml(content.encode() if isinstance(content, str) else content, place)
     whole = Section("drive file", document, ((),))
     sheet = whole.read(FileSheet, document.value)
@@ -110,7 +111,7 @@ def save_drives(path: str | Path, drives: Mapping[str, Drive]) -> None:
     """Write a drive file, whole or not at all.  Raises as `dump_drives` does."""
     check_kind("save_drives", "drives", drives, Mapping, DRIVES)
     text = dump_drives(drives)
-    with replacing(Path(path)) as file:
+    with replacing(path_of("save_drives", path)) as file:
         file.write(text.encode())
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from cutpoint.callers import warn
-from cutpoint.door import check_kind
+from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError
 from cutpoint.formats.mjcf.includes import include_files
 from cutpoint.formats.mjcf.losses import losses
@@ -68,7 +68,7 @@ def load_mjcf(
     If the file uses such a name itself, underscores are appended.
     Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
     """
-    path = Path(path)
+    path = path_of("load_mjcf", path)
     root = parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path))
     include_files(root, path, MAXIMUM_BYTES)
     return _robot(root, str(path), gravity, lock, _meshes(root, path))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
-from cutpoint.door import check_kind
+from cutpoint.door import check_kind, check_truths, path_of
 from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.reading import parse_number, read_bytes
@@ -72,7 +72,7 @@ def load_urdf(
     xacro: arguments of a .xacro file, by name.
     Raises ModelError, with file and line, for whatever is wrong in the file.
     """
-    path = Path(path)
+    path = path_of("load_urdf", path)
     content = read_bytes(path, MAXIMUM_BYTES)
     place = str(path)
     if path.suffix.lower() == ".xacro":
@@ -103,6 +103,7 @@ def parse_urdf(
     if mimic not in ("independent", "coupled"):
         raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
     check_kind("parse_urdf", "content", content, (str, bytes), "the text of a URDF (load_urdf reads files)")
+    check_truths("parse_urdf", floating_base=floating_base, mend_inertia=mend_inertia)
     robot = parse_xml(content, place)
     _check_is_urdf(robot, place)
     _check_names(robot, place)

@@ -8,7 +8,7 @@ from scipy.ndimage import binary_erosion
 from scipy.signal import butter, sosfiltfilt, welch
 
 from cutpoint.door import as_numbers, number, positive, whole
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.recording import Recording, check_recording
 
 Array = NDArray[np.float64]
@@ -25,6 +25,9 @@ ABOVE_FLOOR = 10.0
 
 APART = 4.0
 """Motion ends where nothing exceeds the noise up to this many times the frequency.  Its harmonics are nearer."""
+
+FEWEST = 3
+"""Samples of a central difference."""
 
 STILL = 1e-3
 """Share of the liveliest channel's travel: a channel that travels less stands still, and has only noise."""
@@ -96,6 +99,8 @@ def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
     if whole("derivative", "order", order) > 2:
         raise InputError(f"derivative: order {order} must be 1 or 2", order=order)
     values, period = _samples("derivative", values), positive("derivative", "period", period, "s")
+    if len(values) < FEWEST:
+        raise InputError(f"derivative: values has {counted(len(values), 'sample')}; at least {FEWEST} are needed")
     found = np.full(values.shape, np.nan)
     if order == 1:
         found[1:-1] = (values[2:] - values[:-2]) / (2.0 * period)

@@ -10,7 +10,7 @@ from cutpoint.errors import InputError, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.mechanics.drives.friction import Sliding
-from cutpoint.mechanics.drives.presliding import sliding_of
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -84,7 +84,7 @@ def check_friction(function: str, robot: Robot) -> None:
     """Raises InputError for friction whose parameters cannot be identified."""
     for joint, drive in robot.drives.items():
         for law in (drive.link_friction, drive.motor_friction):
-            if law is not None and not isinstance(sliding_of(law), Sliding):
+            if law is not None and not isinstance(law, Sliding | Presliding):
                 rule = "whose parameters cannot be identified: state Coulomb's or Stribeck's law, or bristles on one"
                 raise InputError(f"{function}: friction of {joint!r} is {type(law).__name__}, {rule}", joint=joint)
 

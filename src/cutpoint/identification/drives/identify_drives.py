@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.door import as_numbers, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.conditioning.motion import check_friction
@@ -95,12 +96,10 @@ def identify_drives(
     if missing := sorted(set(names) - set(recording.joints)):
         raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")
     recording = recording.in_order(names)
-    if resolution is not None and np.shape(resolution) not in ((), (1,), (len(names),)):
-        shape = np.shape(resolution)
-        raise InputError(f"identify_drives: resolution of shape {shape} must be one number, or one for each joint")
-    steps = encoder_steps(recording) if resolution is None else np.broadcast_to(resolution, len(names))
+    torque_delay = number("identify_drives", "torque_delay", torque_delay, "s")
+    steps = encoder_steps(recording) if resolution is None else _resolution_of(resolution, len(names))
     cutoff = noise_cutoff(recording["q"], recording.period)
-    channels = _channels(robot, recording, cutoff, float(torque_delay))
+    channels = _channels(robot, recording, cutoff, torque_delay)
     found: dict[str, DriveEstimate] = {}
     failed: dict[str, str] = {}
     for name in joints_that_bend(robot):
@@ -114,6 +113,15 @@ def identify_drives(
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)
+
+
+def _resolution_of(given: ArrayLike, joints: int) -> Array:
+    """(n,) rad, the user's.  Raises InputError."""
+    found = as_numbers("identify_drives", "resolution", given)
+    if found.shape not in ((), (1,), (joints,)) or not (np.isfinite(found) & (found >= 0.0)).all():
+        rule = "one number, or one for each joint, rad (m), not negative"
+        raise refused("identify_drives", "resolution", given, rule)
+    return np.broadcast_to(found, joints)
 
 
 def encoder_steps(recording: Recording) -> Array:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, ModelError, counted, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
@@ -38,6 +39,8 @@ def read_recording(
 
 def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) -> Recording:
     """The recording that a mapping makes of a table.  Errors as in `read_recording`."""
+    check_kind("recording_of", "table", table, Table, "a Table (read_table reads files)")
+    check_kind("recording_of", "mapping", mapping, ChannelMap, "a ChannelMap (load_mapping reads files)")
     columns = {name: columns_of(name, mapping, table) for name in mapping.quantities}
     joints = _joints(next(iter(columns.values())), mapping, robot)
     ratios = {name: drive.ratio for name, drive in robot.drives.items()} if robot else {}

@@ -54,6 +54,7 @@ class Recording:
         if time.ndim != 1 or time.size < 2 or not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
             raise InputError(f"time of shape {time.shape} must be (N,), N at least 2, finite and increasing")
         joints = checked_names("Recording", self.joints)
+        object.__setattr__(self, "notes", checked_names("Recording", self.notes, "notes", "sentences"))
         if not joints or len(set(joints)) < len(joints) or "" in joints:
             raise InputError(f"joints {joints} must be distinct names", joints=joints)
         object.__setattr__(self, "time", time)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.door import number
+from cutpoint.door import check_truths, number, path_of
 from cutpoint.errors import InputError
 from cutpoint.formats.drives.file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
@@ -88,6 +88,10 @@ def identify(
     torque_delay = number("identify", "torque_delay", torque_delay, "s")
     if not 0.0 <= number("identify", "hold_out", hold_out) <= MOST_HELD:
         raise InputError(f"hold_out {hold_out} must be a share of the log, 0 to {MOST_HELD}", hold_out=hold_out)
+    check_truths("identify", rotors=rotors, align=align, progress=progress)
+    if springs is not None:
+        check_truths("identify", springs=springs)
+    file = path_of("identify", source) if source is not None else None if isinstance(robot, Robot) else Path(robot)
     check_method(method)
     check_solver(solver)
     filters = {"cutoff": cutoff, "bandwidth": bandwidth}
@@ -105,7 +109,6 @@ def identify(
             found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
             say("torques on the part held out")
             errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
-    file = Path(source) if source else None if isinstance(robot, Robot) else Path(robot)
     return _identification(before, file, xacro or {}, recording, found, errors)
 
 

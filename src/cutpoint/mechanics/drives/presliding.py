@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding, Stribeck
 from cutpoint.mechanics.drives.saturation import saturation
 from cutpoint.scalars import Scalar, absolute, clip, maximum, minimum, where
@@ -159,5 +160,13 @@ def _followed(before: Scalar, start: Scalar, end: Scalar, way: Scalar, scale: Sc
 
 
 def sliding_of(law: Any) -> Sliding | None:
-    """The sliding law of a friction law: the bristles' one, or the law itself."""
-    return law.sliding if isinstance(law, Presliding) else law
+    """The sliding law of a friction law: the bristles' one, or the law itself.
+
+    Raises InputError for a law of the user's own: it has no coefficients to learn or to identify.
+    """
+    if law is None or isinstance(law, Sliding):
+        return law
+    if isinstance(law, Presliding):
+        return law.sliding
+    remedy = "state Coulomb's or Stribeck's law, or bristles on one"
+    raise InputError(f"friction law {type(law).__name__} has no coefficients to learn or to identify: {remedy}")

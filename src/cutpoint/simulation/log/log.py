@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import check_kind, number, path_of
+from cutpoint.door import as_numbers, check_kind, checked_names, number, path_of
 from cutpoint.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -59,13 +59,15 @@ class Log:
     run: Run | None = None
 
     def __post_init__(self) -> None:
-        time = _frozen(self.time)
+        check_kind("Log", "channels", self.channels, Mapping, "arrays by name")
+        check_kind("Log", "units", self.units, Mapping, "the unit of every channel, by name")
+        time = _frozen("time", self.time)
         if time.ndim != 1 or not time.size or not np.isfinite(time).all() or (time[1:] <= time[:-1]).any():
             raise InputError(f"time of shape {time.shape} must be (N,), N at least 1, finite and increasing")
-        joints = tuple(self.joints)
-        if len(set(joints)) < len(joints) or not _all_strings(joints) or "" in joints:
+        joints = checked_names("Log", self.joints)
+        if len(set(joints)) < len(joints) or "" in joints:
             raise InputError(f"joints {joints} must be distinct names", joints=joints)
-        channels = {name: _frozen(values) for name, values in self.channels.items()}
+        channels = {name: _frozen(name, values) for name, values in self.channels.items()}
         for name, values in channels.items():
             _check_channel(name, values, time.size, len(joints))
         object.__setattr__(self, "time", time)
@@ -182,9 +184,9 @@ def column_name(channel: str, joint: str) -> str:
     return f"{channel}.{joint}" if joint else channel
 
 
-def _frozen(values: Any) -> Array:
-    """A read-only copy; an array that is read-only already is not copied."""
-    found = np.asarray(values, dtype=np.float64)
+def _frozen(name: str, values: Any) -> Array:
+    """A read-only copy; an array that is read-only already is not copied.  Raises InputError."""
+    found = as_numbers("Log", name, values)
     owner: Any = found if found.base is None else found.base
     if found is values and not found.flags.writeable and isinstance(owner, np.ndarray) and not owner.flags.writeable:
         return found

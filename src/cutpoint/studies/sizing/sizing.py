@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cutpoint.control.laws.model_law import check_all_driven
-from cutpoint.door import check_configuration, check_kind, number, positive
+from cutpoint.door import check_configuration, check_kind, number, path_of, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.drives.backlash import spring_of
@@ -56,7 +56,7 @@ class Sizing:
     def save(self, path: str | Path) -> None:
         """Write `results` to a JSON file, whole or not at all."""
         text = json.dumps(self.results(), indent=1, ensure_ascii=False, allow_nan=False)
-        with replacing(Path(path)) as file:
+        with replacing(path_of("save", path)) as file:
             file.write(text.encode())
 
     def results(self) -> dict[str, Any]:
