@@ -59,7 +59,7 @@ def _laws(robot: cutpoint.Robot) -> dict[str, tuple[cutpoint.Robot, object]]:
     pd = tune(robot, BANDWIDTH, PD) + Feedforward(robot)
     made = {
         "PD": tune(robot, BANDWIDTH, PD), "PID": tune(robot, BANDWIDTH, PID), "PD + Feedforward": pd,
-        "PD + Feedforward in a Guard": Guard(pd, robot),
+        "PD + Feedforward in a Guard": Guard(robot, pd),
         "DisturbanceObserver around PD + Feedforward": DisturbanceObserver(robot, pd, np.ones(6)),
         "ComputedTorque": tune(robot, BANDWIDTH, ComputedTorque), "Robust": tune(robot, BANDWIDTH, Robust),
         "SlotineLi": tune(robot, BANDWIDTH, SlotineLi),

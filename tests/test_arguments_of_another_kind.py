@@ -12,6 +12,7 @@ from cutpoint.analysis import followed_hysteresis, frequency_response, linearize
 from cutpoint.control import PD, slowest_pole, tune
 from cutpoint.formats import dump_drives, load_mjcf, load_urdf, parse_drives, parse_mjcf, parse_urdf, save_drives
 from cutpoint.identification import (
+    Channel,
     Recording,
     Table,
     aligned,
@@ -156,7 +157,7 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
             r"recording_of: table must be a Table \(read_table reads files\)",
         ),
         (
-            lambda: recording_of(Table(""), 4),
+            lambda: recording_of(Table("", {"q": Channel(Q[:, 0])}), 4),
             r"recording_of: mapping must be a ChannelMap \(load_mapping reads files\)",
         ),
         (lambda: derivative([1.0, 2.0], 1e-3), r"derivative: values has 2 samples; at least 3 are needed"),

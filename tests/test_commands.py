@@ -185,7 +185,7 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
     arm, period = robots.xia2019(), 5e-4
     printed("export", "xia2019", str(tmp_path / "found"), *options, "--bandwidth", "4", "--period", str(period))
     if guarded:
-        law: Any = control.Guard(control.tune(arm, 4.0, control.VDC, control_period=period), arm)
+        law: Any = control.Guard(arm, control.tune(arm, 4.0, control.VDC, control_period=period))
     else:
         law = control.tune(arm, 4.0, control_period=period) + control.Feedforward(arm, "elastic")
     export_controller(arm, law, tmp_path / "expected", control_period=period)

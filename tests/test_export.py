@@ -88,7 +88,7 @@ def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) 
 
 
 def test_a_guard_needs_a_clock_that_single_precision_has_not(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    guarded = Guard(PD([1.0] * 6, [1.0] * 6), arm, torque_limit=200.0)
+    guarded = Guard(arm, PD([1.0] * 6, [1.0] * 6), torque_limit=200.0)
     with pytest.raises(
         InputError, match=r"a Guard measures its deadlines by time, .* or export the law that it guards"
     ):
@@ -109,7 +109,7 @@ def test_numbers_that_single_precision_loses_are_refused(
 
 
 def test_a_laws_memory_has_labels(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    law = Guard(Integrating(), arm, torque_limit=200.0)
+    law = Guard(arm, Integrating(), torque_limit=200.0)
     export_controller(arm, law, tmp_path, control_period=PERIOD)
     header = (tmp_path / "control_step.h").read_text()
     labels = re.findall(r"/\* (memory [^*]+) \*/", header)
@@ -215,7 +215,7 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
 
 
 def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    export_controller(arm, Guard(Integrating(), arm), tmp_path, control_period=PERIOD, name="law")
+    export_controller(arm, Guard(arm, Integrating()), tmp_path, control_period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
     (told,) = re.findall(r"out  fault: a number, .*: (.*)", header)
     assert told.split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
@@ -453,7 +453,7 @@ def test_the_command_line_exports_what_floats_along_the_axes_that_are_asked_for(
 
 
 def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    law = Guard(PD([1.0] * 6, [1.0] * 6) + Feedforward(arm), arm)
+    law = Guard(arm, PD([1.0] * 6, [1.0] * 6) + Feedforward(arm))
     export_controller(arm, law, tmp_path, control_period=PERIOD, name="law")
     text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
     (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous \*/", text)

@@ -18,7 +18,7 @@ PERIOD = 1e-3
 @pytest.mark.parametrize("name", [*LAWS, "guard"])
 def test_an_exported_law_has_the_bits_of_its_compiled_self(name: str, tmp_path: Path) -> None:
     """Sample after sample, each side with its own memory; states from nothing to far too much, and no numbers."""
-    made = Guard(law("adaptive VDC, natural"), elbow(), torque_limit=5.0) if name == "guard" else law(name)
+    made = Guard(elbow(), law("adaptive VDC, natural"), torque_limit=5.0) if name == "guard" else law(name)
     export_controller(elbow(), made, tmp_path, control_period=PERIOD, name="step")
     kernel, rng = law_kernel(elbow(), made), np.random.default_rng(11)
     function, parameters = (

@@ -22,7 +22,7 @@ WHILE = {"start_at": FROM, "end_at": UNTIL}
 
 def guarded(inner: Any, **options: Any) -> Guard:
     limits = {"torque_limit": LIMIT, "speed_limit": 20.0, "lower": -2.0, "upper": 2.0}
-    return Guard(inner, elbow(), ramp_time=RAMP, **{**limits, **options})
+    return Guard(elbow(), inner, ramp_time=RAMP, **{**limits, **options})
 
 
 def share_after(reaction: str, samples: Array) -> Array:

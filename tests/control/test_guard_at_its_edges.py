@@ -14,6 +14,7 @@ from cutpoint import InputError, Limits, Robot, Sensors, simulate
 from cutpoint.control import PD, DisturbanceObserver, Fault, Guard, Measurement, Reference, SpeedFilter
 from cutpoint.control.law import needs_of
 from cutpoint.scalars import leaves, where
+from cutpoint.trajectories import cycloid
 
 
 def told_by(m: Measurement, quantity: str, value: float) -> Measurement:
@@ -68,6 +69,14 @@ def test_a_speed_filter_needs_positions_for_the_speeds_that_its_law_reads():
     assert needs_of(SpeedFilter(PD([9.0] * 2, [1.0] * 2, side="link"))) == ("q",)
 
 
+def test_an_observer_around_a_guard_corrects_nothing_after_its_fault():
+    inner = guarded(PD([900.0] * 2, [30.0] * 2), reactions={"speed": "stop"}, speed_limit=0.5)
+    log = simulate(elbow(), DisturbanceObserver(elbow(), inner, 20.0), cycloid([0.8, -0.6], 0.8))
+    at = int((log["fault"] > 0).argmax())
+    assert at and log["command_torque"][1:at].any(axis=1).all()
+    assert not log["command_torque"][at:].any()
+
+
 @pytest.mark.parametrize("inner", [Silent(), PD([9.0] * 2, [1.0] * 2)])
 def test_guards_around_guards_step_in_python(inner):
     guard = guarded(guarded(inner))
@@ -120,13 +129,13 @@ def test_limits_are_the_tighter_ones_of_joint_and_drive():
     told = [Limits(-2.0, 1.0, 3.0, 40.0), Limits(velocity=0.0, effort=0.0)]  # a file's zeros say nothing
     own = [Limits(-1.0, 2.0, 4.0, 30.0), Limits(-0.5, math.inf, 5.0, 60.0)]
     limited = elbow_with(told, own)
-    guard = Guard(law("PD"), limited)
+    guard = Guard(limited, law("PD"))
     assert [*guard.lower] == [-1.0, -0.5] and [*guard.upper] == [1.0, math.inf]
     assert [*guard.speed_limit] == [3.0, 5.0] and [*guard.torque_limit] == [30.0, 60.0]
     _, command = guard.step(guard.start(), rest()[0]._replace(q=np.array([0.0, -0.6])), rest()[1])
     assert command.fault == Fault.POSITION
     with pytest.raises(InputError, match=r"Guard: lower 1.5 of 'shoulder' must not exceed upper, 1.0"):
-        Guard(law("PD"), limited, lower=[1.5, -0.5])
+        Guard(limited, law("PD"), lower=[1.5, -0.5])
 
 
 def elbow_with(told: list[Limits], own: list[Limits]) -> Robot:
@@ -155,4 +164,4 @@ def elbow_with(told: list[Limits], own: list[Limits]) -> Robot:
 )
 def test_a_guard_that_makes_no_sense_is_refused(options, message):
     with pytest.raises(InputError, match=message):
-        Guard(law("PD"), elbow(), **options)
+        Guard(elbow(), law("PD"), **options)

@@ -147,7 +147,7 @@ def test_motors_that_come_late_count(motor):
 
 @pytest.mark.parametrize("name", ["PD", "PID", "VDC, filter", "disturbance observer"])
 def test_a_guard_holds_as_its_law_does(name):
-    bare, guarded = (slowest_pole(elbow(), x, UPRIGHT, PERIOD) for x in (law(name), Guard(law(name), elbow())))
+    bare, guarded = (slowest_pole(elbow(), x, UPRIGHT, PERIOD) for x in (law(name), Guard(elbow(), law(name))))
     assert guarded.joint == bare.joint
     assert guarded.size == pytest.approx(bare.size, abs=1e-9)
     assert guarded.frequency == pytest.approx(bare.frequency, abs=1e-6)
@@ -191,7 +191,7 @@ def test_what_integrates_counts_where_joints_bear_a_load():
 
 
 def test_a_law_that_reports_a_fault_at_a_pose_is_not_judged_there():
-    guarded = Guard(law("PD"), elbow(), upper=[0.1, 0.1])
+    guarded = Guard(elbow(), law("PD"), upper=[0.1, 0.1])
     with pytest.raises(InputError, match=r"Guard reports fault 5 .* choose a pose within its limits"):
         slowest_pole(elbow(), guarded, LEANING, PERIOD)
 
@@ -220,7 +220,7 @@ def test_a_tuned_integral_stays_within_what_currents_allow():
     weak = elbow().with_drives({"shoulder": replace(drive, motor=Motor(0.1, current_limit=2.0))})
     limit = tune(weak, 5.0, PID).limit
     assert limit[0] == pytest.approx(0.2 * abs(drive.ratio))
-    assert limit[0] == Guard(tune(weak, 5.0), weak).torque_limit[0]
+    assert limit[0] == Guard(weak, tune(weak, 5.0)).torque_limit[0]
 
 
 def test_the_bound_of_a_robust_law_knows_friction_on_both_sides():

@@ -81,7 +81,7 @@ REFUSED = {
     "gains of different lengths": (lambda: PD([[1.0, 2.0], [3.0]], 1.0), r"PD: kp must be numbers, one for each drive"),
     "body gains of different lengths": (lambda: vdc(body_gain=[[1.0], [2.0, 3.0]]), r"body_gain must be numbers, got"),
     "a reaction that is a list": (
-        lambda: Guard(PD(1.0, 1.0), elbow(), reactions={"speed": ["stop"]}),
+        lambda: Guard(elbow(), PD(1.0, 1.0), reactions={"speed": ["stop"]}),
         r"no reaction is named \['stop'\]; there are: 'hold', 'ramp', 'stop'",
     ),
     "a model of another robot": (
@@ -98,9 +98,9 @@ REFUSED = {
         lambda: tune(elbow(), 3.0, FullStateFeedback, shaping=[0.5] * 3),
         r"FullStateFeedback: shaping has 3 numbers; it must have one, or one for each of 2 drives",
     ),
-    "a time that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), ramp_time="a"), r"Guard: ramp_time must be one num"),
-    "a limit that is a text": (lambda: Guard(PD(1.0, 1.0), elbow(), torque_limit="a"), r"torque_limit a must be numb"),
-    "faults without names": (lambda: Guard(PD(1.0, 1.0), elbow(), reactions=5), r"reactions must be a reaction for"),
+    "a time that is a text": (lambda: Guard(elbow(), PD(1.0, 1.0), ramp_time="a"), r"Guard: ramp_time must be one num"),
+    "a limit that is a text": (lambda: Guard(elbow(), PD(1.0, 1.0), torque_limit="a"), r"torque_limit a must be numb"),
+    "faults without names": (lambda: Guard(elbow(), PD(1.0, 1.0), reactions=5), r"reactions must be a reaction for"),
     "a whole bandwidth below zero": (
         lambda: SpeedFilter(PD(1.0, 1.0), np.int64(-1)),
         r"SpeedFilter: bandwidth -1.0 Hz must be positive",
@@ -185,7 +185,7 @@ REFUSED = {
         r"controller .*Robot.* has no step\(memory, measurement, reference\)",
     ),
     "a guard whose law and robot are exchanged": (
-        lambda: Guard(elbow(), law("PD")),
+        lambda: Guard(law("PD"), elbow()),
         r"Guard: robot must be a Robot.*, got PD\(",
     ),
     "a guard around no law": (lambda: Guard(elbow(), elbow()), r"has no step\(memory, measurement, reference\)"),
@@ -235,7 +235,7 @@ REFUSED = {
         r"controller PD is a class; pass an inst",
     ),
     "a guard around a law for another number of drives": (
-        lambda: Guard(PID([9.0] * 3, 1.0, 1.0, 1.0) + law("PD"), elbow()),
+        lambda: Guard(elbow(), PID([9.0] * 3, 1.0, 1.0, 1.0) + law("PD")),
         r"PID is for 3 drives, but the robot has 2: make it for as many",
     ),
     "an observer around a law for one drive": (

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from drive_benches import PERIOD, RATIO, STEP, TURN, one_joint, shaken, wound
+from scipy.signal import cont2discrete, dlsim
 
 import cutpoint
 from cutpoint.errors import InputError
@@ -300,6 +301,23 @@ def test_one_encoder_and_the_torque_tell_stiffness_damping_and_rotor(stiffness: 
     for name, true in (("stiffness", stiffness), ("rotor", 0.2), ("damping", 3.0)):
         assert abs(np.log(getattr(fit.masses, name) / true)) < 5.0 * fit.deviations[name]
     assert fit.masses.antiresonance == pytest.approx(np.sqrt(stiffness / 0.5) / TURN, rel=0.005)
+
+
+@pytest.mark.parametrize("damping", [6.0, 10.0])
+def test_a_well_damped_spring_is_found_too(damping: float):
+    """Its antiresonance hardly shows, and the search has a second place to end in."""
+    period, K, link, rotor = 1e-3, 12e3, 0.5, 0.2
+    A = [[0, 0, 1, 0], [0, 0, 0, 1], *([k / J for k in (-K, K, -damping, damping)] for J in (rotor,))]
+    A += [[k / link for k in (K, -K, damping, -damping)]]
+    B, C = [[0.0], [0.0], [1 / rotor], [0.0]], [[1.0, 0.0, 0.0, 0.0]]
+    exact = cont2discrete((np.array(A, float), np.array(B), np.array(C), np.zeros((1, 1))), period)
+    t, rng, step = period * np.arange(20000), np.random.default_rng(0), TURN / 2**17 / 100
+    torque = 20.0 * np.sin(TURN * (t + 5.0 * t**2))
+    theta = dlsim(exact, torque)[1].ravel()
+    theta = np.round((theta + step * rng.standard_normal(t.size)) / step) * step
+    fit = fit_response(motor_response(torque + 0.5 * rng.standard_normal(t.size), theta, period), link, low=3.0)
+    for name, true in (("stiffness", K), ("rotor", rotor), ("damping", damping)):
+        assert abs(np.log(getattr(fit.masses, name) / true)) < max(0.01, 5.0 * fit.deviations[name])
 
 
 def test_the_measured_response_is_that_of_two_masses_under_a_held_torque():

@@ -12,7 +12,7 @@ from scipy.stats import binom
 from simulated_logs import NOISE, Known, exists, known_arm, recorded
 from two_joints import two_joints
 
-from cutpoint import Coulomb, Drive, Grease, Robot, Rotor
+from cutpoint import Coulomb, Drive, Grease, Robot, Rotor, Stribeck
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
@@ -294,6 +294,20 @@ def test_a_rotor_that_weighs_nothing_is_not_the_files():
     laws = {joint: Coulomb(1.0, 0.5, 0.05) for joint in file.joints}
     model = RigidModel(file.inertial_parameters, np.zeros(3), np.zeros(3), laws, {}, slide_with_motors(file), {})
     assert [float(drive.reflected_inertia) for drive in model.robot(file).drives.values()] == [0.0] * 3
+
+
+def test_no_side_of_a_drive_has_less_friction_at_rest_than_in_motion():
+    """The file states Coulomb's law for the link: all of what is more at rest is the motor's, whatever rounding does."""
+    sides = {"link_friction": Coulomb(1.2, 0.9, 0.1), "motor_friction": Stribeck(2.4, 3.6, 2.4, 0.4, 0.1)}
+    file = two_joints().with_drives(dict.fromkeys(("shoulder", "elbow"), Drive(100.0, Rotor(2e-5), **sides)))
+    bodies, still, rng = file.inertial_parameters, np.zeros(2), np.random.default_rng(0)
+    for coulomb, more in zip(rng.uniform(1.0, 8.0, 300).tolist(), rng.uniform(0.0, 3.0, 300).tolist(), strict=True):
+        law = Stribeck(coulomb, coulomb + more, 2.0, 0.4, 0.1)
+        model = RigidModel(bodies, still, still, dict.fromkeys(file.joints, law), {}, slide_with_motors(file), {})
+        drive = model.robot(file).drives["elbow"]
+        assert drive.link_friction.static == drive.link_friction.coulomb  # type: ignore[union-attr]
+        both = drive.link_friction.static + drive.motor_friction.static  # type: ignore[union-attr]
+        assert both == pytest.approx(law.static, rel=1e-14)
 
 
 def test_bodies_are_sought_near_the_files_with_the_rotors_that_their_links_do_not_hold():

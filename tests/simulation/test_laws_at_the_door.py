@@ -41,7 +41,7 @@ def run(law: Any, **options: Any) -> Log:
     return simulate(frictionless(robot("xia2019")), law, MOVE, duration=0.01, **options)
 
 
-@pytest.mark.parametrize("within", [lambda law: law, lambda law: Guard(law, robot("xia2019"))])
+@pytest.mark.parametrize("within", [lambda law: law, lambda law: Guard(robot("xia2019"), law)])
 def test_a_law_of_ones_own_that_reads_what_is_not_there_is_refused(within):
     def of_links(memory: Any, m: Any, r: Any) -> Any:
         return memory, 300.0 * (r.q - m.q)
@@ -69,7 +69,7 @@ def test_what_is_no_law_is_refused(law, message):
 
 def test_a_law_within_others_is_for_as_many_drives():
     inner = PD([1.0] * 6, [1.0] * 6) + PD([1.0], [1.0])
-    for law in (SpeedFilter(inner), Guard(Small(), robot("xia2019")) + SpeedFilter(inner)):
+    for law in (SpeedFilter(inner), Guard(robot("xia2019"), Small()) + SpeedFilter(inner)):
         with pytest.raises(InputError, match="PD is for 1 drives, but the robot has 6: make it for as many"):
             run(law)
     with pytest.raises(InputError, match="Small is for 2 drives, but the robot has 6"):

@@ -30,7 +30,7 @@ def everything() -> Log:
     arm = arm.with_drives(
         {name: replace(d, hysteresis=MaxwellSlip((800.0,), (1e-5,)), **parts) for name, d in arm.drives.items()}
     )
-    law = Guard(PD([200.0] * 6, [20.0] * 6), arm)
+    law = Guard(arm, PD([200.0] * 6, [20.0] * 6))
     motion, pushed = cycloid(np.full(6, 0.4), 0.2), lambda times: np.full((len(times), 6), 0.3)
     return simulate(arm, law, motion, duration=0.02, sensors=Sensors(delay=1e-3), disturbances=pushed)
 

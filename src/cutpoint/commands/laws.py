@@ -68,4 +68,4 @@ def law_of(
     tuned = control.tune(robot, bandwidth, getattr(control, law), control_period=period)
     if not has_model and feedforward != "none":
         tuned = tuned + control.Feedforward(robot, feedforward or "elastic")
-    return control.Guard(tuned, robot) if guard else tuned
+    return control.Guard(robot, tuned) if guard else tuned

@@ -24,6 +24,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
     coupled joints the bandwidths must stay lower.
     The model is rigid, so that the springs' deflection counts as a disturbance: around an accurate elastic feedforward
     on soft drives an observer can increase the error.
+    It corrects nothing once the law reports a fault, so that a `Guard` inside keeps its word.
     torque_limit (n,): motor limits in N m at the joint, by default those that robot and drives state.  The model gets
     u - d clipped to them, so that d does not wind up while the motors saturate.
     """
@@ -52,6 +53,9 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         q, v, _, _ = self.seen(measurement, reference)
         z = np.array([where(memory[1] > 0, x, -speed) for x, speed in zip(memory[0], v, strict=True)])
         d = self.gain * (z + v)
-        torque = [clip(u, -most, most) for u, most in zip(command.torque - d, self.torque_limit, strict=True)]
+        corrected = command.torque - d
+        if self.reports_faults:
+            corrected = [where(command.fault > 0, *x) for x in zip(command.torque, corrected, strict=True)]
+        torque = [clip(u, -most, most) for u, most in zip(corrected, self.torque_limit, strict=True)]
         a = np.array(forward_dynamics(self.model.system, [*q], [*v], self.passed_on(v, np.array(torque) + d)))
         return ([*(z - measurement.period * a)], 1.0, inner), command._replace(torque=np.array(torque))

@@ -68,13 +68,14 @@ class Guard(Wrapper):
     overspeed.  A later fault can only make the reaction more severe.  `reactions` overrides entries of REACTIONS.
     Torques are clipped to torque_limit, which is no fault.  Limits default to those of the robot's joints and drives;
     given ones are one per drive or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
-    A law that stops learning at a torque limit does not know a guard's own: state it there too.
+    A law that stops learning at a torque limit does not know a guard's own: state it there too.  What is added outside
+    of a guard, as in Guard(robot, a) + b, acts on after its fault: put the guard around the sum.
     A fault is a number in the log, see `Fault`; after it the law's memory is frozen.  If the law has a guard of its
     own, its fault is reported if it came first, and the reaction is left to that guard.
     """
 
-    law: Any
     robot: Robot
+    law: Any
     reactions: Any = field(default_factory=dict)
     ramp_time: Any = 0.2
     torque_limit: Any = None

@@ -27,8 +27,11 @@ LEAKAGE = 0.01
 COHERENT = 0.2
 """Coherence below which a frequency is not used."""
 
-STARTS = 40
-"""Antiresonances over the band from which the search may start."""
+STARTS, FRICTIONS = 40, (0.01, 0.1, 0.5)
+"""Antiresonances over the band from which a search may start, and frictions, over the root of stiffness times link."""
+
+SEARCHES = 8
+"""From the best starts: a spring that is well damped hardly shows its antiresonance, and a search may miss it."""
 
 UNCERTAIN = 0.2
 """Relative standard deviation above which an estimate counts as unidentifiable."""
@@ -115,20 +118,25 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
         off: Any = np.log(measured / model)
         return np.concatenate([off.real * weight, off.imag * weight])
 
-    starts = [_start(f, measured, link_inertia, at) for at in np.geomspace(f[1], f[-2], STARTS)]
-    best = min(starts, key=lambda start: float(np.sum(np.arctan(error(start)) ** 2)))
-    found = least_squares(error, best, bounds=(best - 12.0, best + 12.0), loss="soft_l1", x_scale=0.3, max_nfev=200)
+    def search(start: Array) -> Any:
+        bounds = (start - 12.0, start + 12.0)
+        return least_squares(error, start, bounds=bounds, loss="soft_l1", x_scale=0.3, max_nfev=200)
+
+    places = np.geomspace(f[1], f[-2], STARTS)
+    starts = [_start(f, measured, link_inertia, at, friction) for at in places for friction in FRICTIONS]
+    starts.sort(key=lambda start: float(np.sum(np.arctan(error(start)) ** 2)))
+    found = min(map(search, starts[:SEARCHES]), key=lambda one: float(one.cost))
     masses = TwoMasses(link_inertia, *np.exp(found.x).tolist())
     return _judged(masses, np.asarray(found.jac), error(found.x))
 
 
-def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float) -> Array:
+def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float, friction: float) -> Array:
     """Initial rotor inertia, from the response where the link hardly moves, and spring, from the antiresonance."""
     stiffness = link * (2.0 * np.pi * antiresonance) ** 2
     above = f > min(2.0 * antiresonance, f[-f.size // 4])
     rotor = float(np.median(1.0 / (np.abs(measured[above]) * (2.0 * np.pi * f[above]) ** 2)))
-    friction = 0.01 * np.sqrt(stiffness * link)
-    return np.log([rotor, stiffness, friction, friction, friction])
+    damping = friction * np.sqrt(stiffness * link)
+    return np.log([rotor, stiffness, damping, damping, damping])
 
 
 def _judged(masses: TwoMasses, slopes: Array, left: Array) -> ResponseFit:

@@ -181,12 +181,17 @@ def _states_both(drive: Drive) -> bool:
 
 def _shared(drive: Drive, law: Any) -> dict[str, Any]:
     """A law split into those of two sides, by the shares that the drive states."""
-    own = {name: _share_of_motor(drive, name) * float(getattr(law, name)) for name in law.coefficients}
+    shares = {name: _share_of_motor(drive, name) for name in law.coefficients}
+    link = _part(law, {name: 1.0 - share for name, share in shares.items()})
+    return {"motor_friction": _part(law, shares), "link_friction": replace(link, per_load=None)}
+
+
+def _part(law: Any, shares: Mapping[str, float]) -> Any:
+    """A law with a share of each coefficient; of static friction, with a share of its excess over Coulomb's."""
+    own = {name: share * float(getattr(law, name)) for name, share in shares.items()}
     if "static" in own:
-        own["static"] = own["coulomb"] + _share_of_motor(drive, "static") * float(law.static - law.coulomb)
-    rest = [getattr(law, name) - x for name, x in own.items()]
-    link = replace(law.with_coefficients(rest), per_load=None)
-    return {"motor_friction": law.with_coefficients([*own.values()]), "link_friction": link}
+        own["static"] = own["coulomb"] + shares["static"] * float(law.static - law.coulomb)
+    return law.with_coefficients([*own.values()])
 
 
 def _share_of_motor(drive: Drive, coefficient: str) -> float:
