@@ -8,9 +8,10 @@ Random arms of two and three joints and what becomes of their logs: see `judged_
 import argparse
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import numpy as np
-from judged_arms import Case, case
+from judged_arms import NOISE, Case, case
 from rich.progress import track
 
 
@@ -21,10 +22,12 @@ def told(cases: list[Case]) -> str:
         for kind, own in each.hits.items():
             hits.setdefault(kind, []).extend(own)
     ratio = np.concatenate([each.ratio for each in cases])
+    linear = [hit for each in cases for hit in each.linear]
     worst = max(range(len(cases)), key=lambda k: cases[k].ratio.max())
     return "\n".join(
         [
             *(_covered(hits)),
+            f"springs found to be linear, as they are: {sum(linear)} of {len(linear)}",
             f"physical: {sum(each.physical for each in cases)} of {len(cases)}",
             f"held-out error over the true model's: median {np.median(ratio):.2f}, 95 % {np.quantile(ratio, 0.95):.2f},"
             f" worst {ratio.max():.2f} (arm {worst}), above 2: {(ratio > 2.0).sum()} of {ratio.size} joints",
@@ -40,7 +43,9 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--arms", type=int, default=20)
     parser.add_argument("--first", type=int, default=0, help="number of the first arm")
+    parser.add_argument("--noise", type=float, default=NOISE, help="of the torques, N m RMS")
     asked = parser.parse_args()
     with ProcessPoolExecutor(2) as pool:
         seeds = range(asked.first, asked.first + asked.arms)
-        print(told([*track(pool.map(case, seeds), "arms", total=asked.arms)]))
+        cases = pool.map(partial(case, noise=asked.noise), seeds)
+        print(told([*track(cases, "arms", total=asked.arms)]))

@@ -26,21 +26,24 @@ KINDS = ("coulomb", "viscous", "offset", "stiffness", "rotor inertia", "damping"
 
 
 class Case(NamedTuple):
-    """hits: by kind of number, whether intervals hold the truth.  ratio: (n,), held-out error to the true model's."""
+    """hits: by kind of number, whether intervals hold the truth.  ratio: (n,), held-out error to the true model's.
+    linear: whether each spring was found to be, as it is."""
 
     hits: dict[str, list[bool]]
     physical: bool
     ratio: np.ndarray
+    linear: list[bool]
 
 
-def case(seed: int) -> Case:
-    """The arm of a seed, of two or three joints, identified by default options."""
+def case(seed: int, noise: float = NOISE) -> Case:
+    """The arm of a seed, of two or three joints, identified by default options.  noise: N m RMS, of the torques."""
     known = with_springs(known_arm(seed, 2 + seed % 2), seed)
-    found = identify(known.file, recorded(known.robot, seed), torque_delay=0.5 * PERIOD)
+    found = identify(known.file, recorded(known.robot, seed, noise), torque_delay=0.5 * PERIOD)
     errors, true = found.errors, motion_of(known.robot, found.recording)
     left = errors.measured - low_pass(stated_torque(known.robot, true), true.period, errors.bandwidth)
     floor = np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
-    return Case(_hits(known, found), exists(found.robot), errors.rms("after", held_out=True) / floor)
+    linear = [isinstance(drive.compliance, LinearSpring) for drive in found.robot.drives.values()]
+    return Case(_hits(known, found), exists(found.robot), errors.rms("after", held_out=True) / floor, linear)
 
 
 def _hits(known: Known, found: Identification) -> dict[str, list[bool]]:
@@ -81,15 +84,15 @@ def with_springs(known: Known, seed: int) -> Known:
     return Known(known.robot.with_drives(true), known.file.with_drives(file))
 
 
-def recorded(robot: Robot, seed: int) -> Recording:
+def recorded(robot: Robot, seed: int, noise: float = NOISE) -> Recording:
     """12 s at 1 kHz under a PD law of the motors, encoders with noise of their own step, torques with noise.
 
     A command is stamped half a period before it acts in the mean.
     """
     n = len(robot.joints)
-    noise = {"link_noise": STEP, "motor_noise": STEP / 100.0, "seed": seed}
-    sensors = Sensors(link_resolution=STEP, motor_resolution=STEP / 100.0, **noise)
+    of_encoders = {"link_noise": STEP, "motor_noise": STEP / 100.0, "seed": seed}
+    sensors = Sensors(link_resolution=STEP, motor_resolution=STEP / 100.0, **of_encoders)
     law = PD([400.0] * n, [40.0] * n, side="motor")
     log = cutpoint.simulate(robot, law, motion(seed, n, 12.0), sensors=sensors)
-    torque = log["command_torque"] + NOISE * np.random.default_rng(seed).normal(size=log["command_torque"].shape)
+    torque = log["command_torque"] + noise * np.random.default_rng(seed).normal(size=log["command_torque"].shape)
     return Recording(log.time, log.joints, q=log["measured_q"], theta=log["measured_theta"], torque=torque)

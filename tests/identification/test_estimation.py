@@ -297,7 +297,7 @@ def test_a_rotor_that_weighs_nothing_is_not_the_files():
 
 
 def test_no_side_of_a_drive_has_less_friction_at_rest_than_in_motion():
-    """The file states Coulomb's law for the link: all of what is more at rest is the motor's, whatever rounding does."""
+    """The file states Coulomb's law for the link: all of what is more at rest is the motor's."""
     sides = {"link_friction": Coulomb(1.2, 0.9, 0.1), "motor_friction": Stribeck(2.4, 3.6, 2.4, 0.4, 0.1)}
     file = two_joints().with_drives(dict.fromkeys(("shoulder", "elbow"), Drive(100.0, Rotor(2e-5), **sides)))
     bodies, still, rng = file.inertial_parameters, np.zeros(2), np.random.default_rng(0)

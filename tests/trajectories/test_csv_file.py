@@ -156,3 +156,11 @@ def test_what_is_no_file_is_refused(tmp_path: Path):
         from_csv(tmp_path / "motion.csv")
     with pytest.raises(InputError, match=r"is not a regular file; give the path of a file"):
         from_csv(tmp_path)
+
+
+def test_columns_of_other_joints_may_have_any_unit(tmp_path: Path):
+    """Whether a joint slides that nobody asks for, as one of another robot, is not known."""
+    path = written(tmp_path, "t,a,b,c [mm]")
+    assert from_csv(path, ["a", "b"], sliding=()).joints == ("a", "b")
+    with pytest.raises(InputError, match=r"joint 'c' is in 'mm': it turns, so its positions must be in 'deg' or 'rad'"):
+        from_csv(path, ["a", "c"], sliding=())

@@ -65,16 +65,14 @@ def from_csv(
     """
     path = path_of("from_csv", path)
     check_readable(path, LARGEST_FILE)
+    asked = None if joints is None else checked_names("from_csv", joints)
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
-            columns, rows = _read(lines, path, sliding)
+            columns, rows = _read(lines, path, sliding, asked)
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"file is not comma-separated UTF-8 text: {error}", place=path) from error
     names = [column.name for column in columns]
-    wanted = checked_names("from_csv", names if joints is None else joints)
-    for name in wanted:
-        if name not in names:
-            raise unknown_name("column", name, names, place=path)
+    wanted = tuple(names) if asked is None else asked
     data = np.array(rows, dtype=np.float64).reshape(-1, 1 + len(columns))
     positions = data[:, [1 + names.index(name) for name in wanted]]
     try:
@@ -83,10 +81,18 @@ def from_csv(
         raise InputError(str(error), place=path, **error.evidence) from error
 
 
-def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> tuple[list[Column], list[list[float]]]:
-    """The columns of joints, and rows of time and positions in rad (m)."""
+def _read(
+    lines: Iterable[str], path: Path, sliding: Collection[str] | None, asked: Collection[str] | None
+) -> tuple[list[Column], list[list[float]]]:
+    """The columns of joints, and rows of time and positions in rad (m).  asked: the joints wanted; None for all."""
     reader = csv.reader(lines)
-    columns = _header(next(reader, list[str]()), sliding, f"{path}:1")
+    columns = _header(next(reader, list[str]()), f"{path}:1")
+    names = [column.name for column in columns]
+    for name in asked or ():
+        if name not in names:
+            raise unknown_name("column", name, names, place=path)
+    if sliding is not None:  # of joints that nobody asks for it is not known whether they slide
+        columns = [_held_against(x, sliding, f"{path}:1") if x.name in (asked or names) else x for x in columns]
     rows: list[list[float]] = []
     for cells in filter(None, reader):
         place = f"{path}:{reader.line_num}"
@@ -97,7 +103,7 @@ def _read(lines: Iterable[str], path: Path, sliding: Collection[str] | None) -> 
     return columns, rows
 
 
-def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> list[Column]:
+def _header(cells: list[str], place: str) -> list[Column]:
     if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
         told = f"first line {cells[0][:200]!r} separates columns with {other!r}: use commas, {EXAMPLE}"
         raise InputError(told, place=place)
@@ -115,13 +121,11 @@ def _header(cells: list[str], sliding: Collection[str] | None, place: str) -> li
             raise InputError(f"column {column.name!r} must have its own name", place=place)
         if column.unit is not None and column.unit not in UNITS:
             raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
-    return [_held_against(column, sliding, place) for column in found[1:]]
+    return found[1:]
 
 
-def _held_against(column: Column, sliding: Collection[str] | None, place: str) -> Column:
+def _held_against(column: Column, sliding: Collection[str], place: str) -> Column:
     """The column with the units that suit its joint.  Raises InputError if it names another."""
-    if sliding is None:
-        return column
     way, known = ("slides", SLIDING) if column.name in sliding else ("turns", TURNING)
     if column.unit is not None and column.unit not in known:
         rule = f"it {way}, so its positions must be in {' or '.join(map(repr, known))}"

@@ -36,7 +36,10 @@ NARROWER = 3.0
 the filtered speed no longer shows the friction."""
 
 WIDER = 2.0
-"""Times the frequency at which the deflection falls below its noise: springs are identified up to there."""
+"""Times the frequency at which the deflection or the torque falls below its noise: springs are identified up to there.
+
+Noise of the torque beyond makes springs appear stiffer and less damped.
+"""
 
 TURNS = 8
 """Largest number of alternations between spring and rotor; initially wrong friction takes several."""
@@ -186,7 +189,8 @@ def _from_motor(
     """
     torque, period = _torque(joint, rotor), joint.period
     lead, highest = joint.theta - joint.q, HIGHEST / joint.period
-    widest = min(WIDER * noise_cutoff(lead, period, otherwise=highest), highest)
+    clear = min(noise_cutoff(x, period, otherwise=highest) for x in (lead, torque))
+    widest = min(WIDER * clear, highest)
     band, shaking = clear_acceleration(joint.theta, period, widest)
     noise = noise_density(lead, period, band) * np.sqrt(band)
     seen = settled = False
