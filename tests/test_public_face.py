@@ -9,8 +9,8 @@ PACKAGE = """
     Backlash CatalogueSpring Coulomb CutpointError Drive ElastoPlastic Flexspline Grease Harmonic HarmonicSpring
     InputError Kernel KinematicError Limits LinearSpring Log LuGre MaxwellSlip ModelError Motor Ratings Robot
     Rotor Sensors SimulationError Sliding State Stribeck TraceError WaveGenerator absolute analysis atan clip compile
-    control cos derivatives exp formats identification load log maximum minimum robots simulate simulate_many simulation
-    sin sqrt tan tanh trajectories where
+    control cos derivatives exp export formats identification load log maximum minimum robots simulate simulate_many
+    simulation sin sqrt tan tanh trajectories where
 """
 
 ROBOT = """

@@ -24,7 +24,17 @@ from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minim
 from cutpoint.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from cutpoint import analysis, control, derivatives, formats, identification, robots, simulation, trajectories
+    from cutpoint import (
+        analysis,
+        control,
+        derivatives,
+        export,
+        formats,
+        identification,
+        robots,
+        simulation,
+        trajectories,
+    )
     from cutpoint.loading import load
     from cutpoint.simulation import Log, Sensors, State, simulate, simulate_many
 
@@ -33,12 +43,12 @@ __all__ = [
     "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
     "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
     "Sliding", "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "analysis", "atan", "clip", "compile",
-    "control", "cos", "derivatives", "exp", "formats", "identification", "load", "log", "maximum", "minimum", "robots",
-    "simulate", "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
+    "control", "cos", "derivatives", "exp", "export", "formats", "identification", "load", "log", "maximum", "minimum",
+    "robots", "simulate", "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
 ]  # fmt: skip
 
 _SUBPACKAGES = (
-    "analysis", "control", "derivatives", "formats", "identification", "robots", "simulation", "trajectories",
+    "analysis", "control", "derivatives", "export", "formats", "identification", "robots", "simulation", "trajectories",
 )  # fmt: skip
 _SIMULATION = ("Log", "Sensors", "State", "simulate", "simulate_many")
 _ELSEWHERE = {"load": "loading", **dict.fromkeys(_SIMULATION, "simulation")}

@@ -187,7 +187,7 @@ def test_friction_of_both_sides_is_told_apart_where_the_links_was_not_known():
 def test_every_joint_must_be_recorded(arm: Case):
     with pytest.raises(InputError, match=r"must be recorded; missing: \['joint1', 'joint3',"):
         identify_drives(arm.true, arm.recording.joint("joint2"))
-    with pytest.raises(InputError, match=r"resolution of shape \(2,\) must be one number, or one for each joint"):
+    with pytest.raises(InputError, match=r"resolution must be one number, or one for each joint"):
         identify_drives(arm.true, arm.recording, [STEP, STEP])
 
 

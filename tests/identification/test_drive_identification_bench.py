@@ -301,6 +301,8 @@ def test_one_encoder_and_the_torque_tell_stiffness_damping_and_rotor(stiffness: 
     for name, true in (("stiffness", stiffness), ("rotor", 0.2), ("damping", 3.0)):
         assert abs(np.log(getattr(fit.masses, name) / true)) < 5.0 * fit.deviations[name]
     assert fit.masses.antiresonance == pytest.approx(np.sqrt(stiffness / 0.5) / TURN, rel=0.005)
+    below = fit_response(response(stiffness), 0.5, high=150.0)
+    assert below.masses.stiffness == pytest.approx(stiffness, rel=0.02)
 
 
 @pytest.mark.parametrize("damping", [6.0, 10.0])

@@ -23,6 +23,9 @@ SPRING_SHARE = 0.1
 """Of a mode's energy, what its springs hold at least if it is one of the drives: half without damping, next to nothing
 where the arm swings as a whole under its weight."""
 
+LEAST_SHARE = 0.1
+"""Of a mode's spring energy: a joint with less is not named."""
+
 STANDSTILL = 1e-6
 """A pole slower than this part of the fastest one is zero: rounding moves a pair of zeros that far apart."""
 
@@ -53,10 +56,10 @@ class Modes:
     model: LinearModel
     elastic: int
 
-    def joints_of(self, mode: int, least: float = 0.1) -> dict[str, float]:
-        """Joints whose drives participate in a mode with at least this share, the largest first."""
+    def joints_of(self, mode: int) -> dict[str, float]:
+        """Joints whose drives have at least a tenth of a mode's spring energy, with their shares, the largest first."""
         shares = self.participation[mode]
-        return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= least}
+        return {self.model.joints[k]: float(shares[k]) for k in np.argsort(-shares) if shares[k] >= LEAST_SHARE}
 
     def plot(self) -> "Figure":
         """Motor torque to motor and link velocity, a panel a joint: `modes.plot().savefig("modes.png")`."""

@@ -124,7 +124,7 @@ def simulate(
 def _accuracy_of(accuracy: Accuracy, hold: bool) -> Accuracy:
     """The accuracy that a run has.  Raises InputError for one that is unknown, or that a run has not without hold."""
     if accuracy not in get_args(Accuracy):
-        raise InputError(f"simulate: accuracy {accuracy!r} must be {', '.join(map(repr, get_args(Accuracy)))}")
+        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
     if hold:
         return accuracy
     if accuracy == "fine":

@@ -56,17 +56,16 @@ def clock_skew(
     y: ArrayLike,
     period: float,
     law: Law = same_motion,
-    largest: float = LARGEST_SKEW,
 ) -> Skew:
     """The delay tau that makes x(t) = g y(t - tau) + a slow function fit best, between samples too.
 
     x: (N,), and y: (N,) or (N, n), on one uniform time; NaN where not known.  A positive delay: x is later than y.
     law: other functions of y than y itself, with weights to be fitted; see `torque_laws.py`.
-    Raises InputError: channels too short, a y that does not move, or a best delay beyond `largest` s.
+    Raises InputError: channels too short, a y that does not move, or a best delay beyond LARGEST_SKEW.
     """
-    period, largest = positive("clock_skew", "period", period, "s"), positive("clock_skew", "largest", largest, "s")
+    period = positive("clock_skew", "period", period, "s")
     first, second = _arrays(x, y)
-    largest = min(largest, period * len(first))
+    largest = min(LARGEST_SKEW, period * len(first))
     used = _usable(first, second, int(np.ceil(largest / period)))
     if used.sum() < LEAST_SAMPLES:
         raise InputError(

@@ -132,7 +132,7 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
     return max(found)
 
 
-def low_passed(recording: Recording, cutoff: float | None = None, order: int = ORDER) -> Recording:
+def low_passed(recording: Recording, cutoff: float | None = None) -> Recording:
     """All channels through one filter, so that linear relations between them still hold.
 
     cutoff: Hz; by default where the positions fall below their noise, see `noise_cutoff`.
@@ -143,8 +143,8 @@ def low_passed(recording: Recording, cutoff: float | None = None, order: int = O
     if cutoff is None:
         positions = [values for name, values in recording.channels.items() if name in ("q", "theta")]
         cutoff = noise_cutoff(np.column_stack(positions or [*recording.channels.values()]), period)
-    found = recording.with_channels(lambda values: low_pass(values, period, cutoff, order))
-    return found.with_notes([f"low-passed at {cutoff:.4g} Hz, zero phase, order {order} in each direction"])
+    found = recording.with_channels(lambda values: low_pass(values, period, cutoff))
+    return found.with_notes([f"low-passed at {cutoff:.4g} Hz, zero phase, order {ORDER} in each direction"])
 
 
 def _samples(function: str, values: ArrayLike) -> Array:
