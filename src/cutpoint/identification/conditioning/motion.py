@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError, those_that_exist, unknown_name
+from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.mechanics.drives.friction import Sliding
@@ -59,6 +59,9 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     if not sides:
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
+    if not any((np.nanmax(x, axis=0) > np.nanmin(x, axis=0)).any() for x in sides.values()):
+        told = f"no joint moves: {' and '.join(sides)} never change at {listed(robot.joints)}"
+        raise InputError(f"{told}; record a motion, as of cutpoint excite, or map other channels")
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
     smooth = {name: _without_noise_at_rest(low_pass(x, period, cutoff)) for name, x in sides.items()}
     q, theta = (smooth.get(name, next(iter(smooth.values()))) for name in ("q", "theta"))

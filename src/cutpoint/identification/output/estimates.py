@@ -95,8 +95,9 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
 
 
 def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
-    """A sentence if the encoders of motors and links have different zeros."""
-    found = {joint: each.spring.offset for joint, each in drives.joints.items() if abs(each.spring.offset) > ZEROS}
+    """A sentence if the encoders of motors and links have different zeros; without a spring nothing tells them."""
+    springs = {joint: each.spring for joint, each in drives.joints.items() if "stiffness" not in each.unidentifiable}
+    found = {joint: spring.offset for joint, spring in springs.items() if abs(spring.offset) > ZEROS}
     if not found:
         return ()
     told = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
