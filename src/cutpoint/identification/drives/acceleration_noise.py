@@ -18,12 +18,13 @@ SECOND_DERIVATIVE = 0.4
 cut-off: the root of the integral of x^4 / (1 + x^8)^2."""
 
 
-def clear_acceleration(theta: Array, period: float, widest: float) -> tuple[float, float]:
+def clear_acceleration(theta: Array, period: float, widest: float, still: float) -> tuple[float, float]:
     """The widest band, Hz, in which a rotor's acceleration is not noise, and the RMS of the noise there, rad/s2.
 
     Noise grows with frequency faster than the signal; mistaken for motion, it biases rotor inertias towards zero.
+    widest: Hz, to start from.  still: Hz, above which nothing moves.
     """
-    density = (2.0 * np.pi) ** 2 * noise_density(theta, period, widest)
+    density = (2.0 * np.pi) ** 2 * noise_density(theta, period, still)
     narrowest = min(noise_cutoff(theta, period, otherwise=widest), widest)
     band, noise = widest, np.inf
     for band in np.geomspace(widest, narrowest, BANDS).tolist():

@@ -189,10 +189,9 @@ def _from_motor(
     """
     torque, period = _torque(joint, rotor), joint.period
     lead, highest = joint.theta - joint.q, HIGHEST / joint.period
-    clear = min(noise_cutoff(x, period, otherwise=highest) for x in (lead, torque))
-    widest = min(WIDER * clear, highest)
-    band, shaking = clear_acceleration(joint.theta, period, widest)
-    noise = noise_density(lead, period, band) * np.sqrt(band)
+    still, told = (min(WIDER * noise_cutoff(x, period, otherwise=highest), highest) for x in (lead, torque))
+    band, shaking = clear_acceleration(joint.theta, period, min(still, told), still)
+    noise = noise_density(lead, period, still) * np.sqrt(band)
     seen = settled = False
     for turn in range(TURNS):
         laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
