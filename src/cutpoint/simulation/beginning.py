@@ -9,7 +9,7 @@ from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.strains import count, gathered
 from cutpoint.robot import Robot
-from cutpoint.simulation.plant import State, sizes
+from cutpoint.simulation.plant import State, lengths
 
 Array = NDArray[np.float64]
 
@@ -71,7 +71,7 @@ def _of_motors(robot: Robot, name: str, value: Any, links: Array) -> Array:
 
 def _with_inner_states(robot: Robot, given: State, start: State, commanded: Array) -> State:
     """Currents that hold the arm, or zero without a controller; strains are zero."""
-    expected = sizes(robot.machine)
+    expected = lengths(robot.machine)
     lagging = [d.drive.has_current_lag for d in robot.machine.drives]
     current = commanded[lagging] if given.current is None else given.current
     strains = np.zeros(expected.strains) if given.strains is None else given.strains

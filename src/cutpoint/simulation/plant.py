@@ -42,11 +42,22 @@ class Own(NamedTuple):
     strains: Strains
 
 
-def sizes(machine: Machine) -> State:
-    """Length of each part of a state."""
+class Lengths(NamedTuple):
+    """Length of each part of a `State`."""
+
+    q: int
+    v: int
+    theta: int
+    theta_dot: int
+    current: int
+    strains: int
+
+
+def lengths(machine: Machine) -> Lengths:
+    """Of a robot's state."""
     n = len(machine.drives)
     lagging, strained = (sum(count(d.drive) for d in machine.drives) for count in (currents, memory.count))
-    return State(machine.system.nq, machine.system.nv, n, n, lagging, strained)
+    return Lengths(machine.system.nq, machine.system.nv, n, n, lagging, strained)
 
 
 def currents(drive: Drive) -> int:
@@ -57,7 +68,7 @@ def currents(drive: Drive) -> int:
 def split(machine: Machine, x: Scalars) -> State:
     """A flat state by its parts."""
     numbers = iter(x)
-    return State(*([next(numbers) for _ in range(size)] for size in sizes(machine)))
+    return State(*([next(numbers) for _ in range(size)] for size in lengths(machine)))
 
 
 def own_parts(machine: Machine, x: Scalars) -> list[Own]:

@@ -26,7 +26,7 @@ from cutpoint.simulation.loop.layout import Layout
 from cutpoint.simulation.loop.parameters import Given, law_parameters, parameters_of, with_parameters
 from cutpoint.simulation.loop.stages import PlantStages
 from cutpoint.simulation.loop.step import TABLEAU
-from cutpoint.simulation.plant import State, is_uniform, own_parts, sizes
+from cutpoint.simulation.plant import Lengths, is_uniform, lengths, own_parts
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -66,13 +66,13 @@ class ClosedLoop:
     kept: frozenset[str] | None = None
 
     @cached_property
-    def parts(self) -> State:
+    def lengths(self) -> Lengths:
         """Length of each part of the state."""
-        return sizes(self.robot.machine)
+        return lengths(self.robot.machine)
 
     @cached_property
     def layout(self) -> Layout:
-        return Layout(len(self.robot.drives), self.parts.v, sum(self.parts), self.encoders.normals)
+        return Layout(len(self.robot.drives), self.lengths.v, sum(self.lengths), self.encoders.normals)
 
     @cached_property
     def plant(self) -> PlantStages:
@@ -93,7 +93,7 @@ class ClosedLoop:
 
     @cached_property
     def _recordable(self) -> dict[str, int]:
-        return recordable(self.parts._asdict(), self.layout.n, self.layout.nv)
+        return recordable(self.lengths._asdict(), self.layout.n, self.layout.nv)
 
     def parameters(self, limits: Array) -> Array:
         return parameters_of(self.robot, self.encoders, limits, self.period)
