@@ -196,3 +196,10 @@ def test_an_observer_finds_little_where_the_model_is_right_and_friction_grows_wi
     move, law = septic(end=[1.0, -0.7], duration=1.0), tune(ours, 4.0) + Feedforward(ours, "friction")
     errors = [simulate(ours, x, move).rms("position_error") for x in (law, DisturbanceObserver(ours, law, 20.0))]
     assert (errors[1] < 1.5 * errors[0]).all()
+
+
+def test_a_law_keeps_its_gains_whatever_becomes_of_the_array_they_came_in():
+    given = np.full(6, 9.0)
+    law = PD(given, given)
+    given[:] = 0.0
+    assert (law.kp == 9.0).all() and (law.kd == 9.0).all()

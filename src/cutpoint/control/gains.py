@@ -29,7 +29,7 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
         rule = "positive" if positive else "not negative"
         raise InputError(f"{law}: {name} = {value} must be finite and {rule}, one for each drive", gains=value)
     if size is None:
-        return array
+        return array.astype(float)
     if array.size not in (1, size):
         raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
     return np.broadcast_to(array, size).astype(float)

@@ -37,7 +37,7 @@ class ModelLaw(Law):
                 found = f"shape {given.shape}" if given.shape != own.shape else "NaN among them"
                 rule = f"must be {own.size} numbers, as robot.drive_parameters"
                 raise InputError(f"{type(self).__name__}: parameters {rule}, got {found}")
-            self._set(parameters=given)
+            self._set(parameters=given.copy())
 
     def _keep_torque_limit(self) -> None:
         """Stores torque_limit, by default the motor limits that robot and drives state."""

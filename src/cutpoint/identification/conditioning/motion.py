@@ -59,7 +59,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     if not sides:
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
-    if not any((np.nanmax(x, axis=0) > np.nanmin(x, axis=0)).any() for x in sides.values()):
+    if not any(map(_moves, sides.values())):
         told = f"no joint moves: {' and '.join(sides)} never change at {listed(robot.joints)}"
         raise InputError(f"{told}; record a motion, as of cutpoint excite, or map other channels")
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
@@ -72,6 +72,11 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
 def still_joints(robot: Robot, motion: Motion) -> list[str]:
     """Joints that stood still in the whole motion."""
     return [joint for joint, v in zip(robot.joints, motion.v.T, strict=True) if not np.nan_to_num(v).any()]
+
+
+def _moves(positions: Array) -> bool:
+    """Whether any of positions (N, n) changes; NaN where unknown."""
+    return any(bool(np.ptp(x[np.isfinite(x)])) for x in positions.T if np.isfinite(x).any())
 
 
 def _without_noise_at_rest(positions: Array) -> Array:
