@@ -21,7 +21,7 @@ import cutpoint
 from cutpoint import InputError, Log, ModelError, control, robots
 from cutpoint.commands import app, laws, shared
 from cutpoint.control.tuning import recipes
-from cutpoint.export import export_controller
+from cutpoint.export import export_controller, export_function
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
 from cutpoint.simulation import runner
@@ -193,6 +193,24 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
 
 
+def test_a_function_leaves_as_c_with_its_options(tmp_path: Path) -> None:
+    function, arm = "elastic_inverse_dynamics", robots.xia2019()
+    printed("export", "xia2019", str(tmp_path / "found"), "--function", function, "--quasi-rigid", "--friction-rates")
+    export_function(arm, function, tmp_path / "expected", quasi_rigid=True, friction_rates=True)
+    for path in (tmp_path / "expected").iterdir():
+        assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
+
+
+def test_a_simulated_law_may_have_a_guard(tmp_path: Path) -> None:
+    """Joints turn at 2 rad/s at most: a move that takes 5 is a fault."""
+    drives, log = tmp_path / "slow.yaml", tmp_path / "run.npz"
+    whole = robots.XIA2019_DRIVES.read_text("utf-8")
+    drives.write_text(whole.replace("  ratio: 100\n", "  ratio: 100\n  limits: {velocity: 2.0}\n", 1), "utf-8")
+    move = ["--to", "2,0,0,0,0,0", "--duration", "0.8", "--law", "PD", "--guard"]
+    printed("simulate", str(robots.XIA2019_URDF), "--drives", str(drives), *move, "--output", str(log))
+    assert control.Fault.SPEED in Log.load(log)["fault"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -209,6 +227,10 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         (
             ["export", "xia2019", "out", "--law", "PD", "--frame", "link6"],
             "--frame applies only to --function: leave it out",
+        ),
+        (
+            ["export", "xia2019", "out", "--law", "PD", "--quasi-rigid"],
+            "--quasi-rigid applies only to --function: leave it out",
         ),
         (
             ["export", "xia2019", "out", "--law", "PD", "--to", "cuda"],

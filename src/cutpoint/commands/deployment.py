@@ -51,6 +51,16 @@ def export(
     floating_base: FloatingBase = False,
     frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
     expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
+    quasi_rigid: Annotated[
+        bool,
+        typer.Option(
+            "--quasi-rigid", metavar="", help="Of elastic_inverse_dynamics: four derivatives do, for any rotors."
+        ),
+    ] = False,
+    friction_rates: Annotated[
+        bool,
+        typer.Option("--friction-rates", metavar="", help="Of the same: the spring's motion includes friction's."),
+    ] = False,
     name: Annotated[
         str | None, typer.Option(help="Name of the C function; default: that of --function, or control_step.")
     ] = None,
@@ -64,7 +74,13 @@ def export(
         function,
         law,
         {"--feedforward": feedforward, "--guard": guard or None, "--bandwidth": bandwidth, "--period": period},
-        {"--frame": frame, "--expressed-in": expressed_in, "--to cuda": to if to == "cuda" else None},
+        {
+            "--frame": frame,
+            "--expressed-in": expressed_in,
+            "--quasi-rigid": quasi_rigid or None,
+            "--friction-rates": friction_rates or None,
+            "--to cuda": to if to == "cuda" else None,
+        },
     )
     loaded = robot.load(floating_base=floating_base)
     if law is not None:
@@ -75,8 +91,9 @@ def export(
             loaded, step, folder, control_period=period, precision=precision, name=name or "control_step", force=force
         )
     else:
-        options = {"frame": frame, "expressed_in": expressed_in}
-        options = {key: value for key, value in options.items() if value is not None}
+        given = {"frame": frame, "expressed_in": expressed_in}
+        given |= {"quasi_rigid": quasi_rigid or None, "friction_rates": friction_rates or None}
+        options = {key: value for key, value in given.items() if value is not None}
         paths = export_function(
             loaded, function or "", folder, to=to, precision=precision, name=name, force=force, **options
         )
