@@ -93,8 +93,10 @@ def elastic_inverse_dynamics(
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
     torques = [motor_torque(d.drive, found[d.segment], strained[d.segment].motor) for d in drives]
-    for k, spin in ((k, spins[d.segment]) for k, d in enumerate(drives) if d.segment in spins):
-        torques[k] = torques[k] + value_of(spin.along(moved[spin.carrier].A.angular))
+    # a rotor with full coupling also turns with its carrier
+    for k, spin in enumerate(spins.get(d.segment) for d in drives):
+        if spin:
+            torques[k] = torques[k] + value_of(spin.along(moved[spin.carrier].A.angular))
     theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
     return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
