@@ -74,9 +74,9 @@ class RobotFile:
 
     @property
     def given(self) -> list[str]:
-        """The options that were given."""
-        defaults = signature(RobotFile).parameters
-        told = [name for name in defaults if name != "path" and getattr(self, name) != defaults[name].default]
+        """The options that were given; lists that were not may be empty or None, as the version of Typer has it."""
+        values = {x: getattr(self, name) for name, x in signature(RobotFile).parameters.items() if name != "path"}
+        told = [x.name for x, value in values.items() if value and value != x.default]
         return [f"--{name.replace('_', '-')}" for name in told]
 
     @property
