@@ -70,17 +70,13 @@ def export(
 ) -> None:
     from cutpoint.export import export_controller, export_function
 
+    given = {"frame": frame, "expressed_in": expressed_in, "quasi_rigid": quasi_rigid, "friction_rates": friction_rates}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value not in (None, False)}
     _check_choice(
         function,
         law,
         {"--feedforward": feedforward, "--guard": guard or None, "--bandwidth": bandwidth, "--period": period},
-        {
-            "--frame": frame,
-            "--expressed-in": expressed_in,
-            "--quasi-rigid": quasi_rigid or None,
-            "--friction-rates": friction_rates or None,
-            "--to cuda": to if to == "cuda" else None,
-        },
+        {**{f"--{key.replace('_', '-')}": x for key, x in options.items()}, "--to cuda": to if to == "cuda" else None},
     )
     loaded = robot.load(floating_base=floating_base)
     if law is not None:
@@ -91,9 +87,6 @@ def export(
             loaded, step, folder, control_period=period, precision=precision, name=name or "control_step", force=force
         )
     else:
-        given = {"frame": frame, "expressed_in": expressed_in}
-        given |= {"quasi_rigid": quasi_rigid or None, "friction_rates": friction_rates or None}
-        options = {key: value for key, value in given.items() if value is not None}
         paths = export_function(
             loaded, function or "", folder, to=to, precision=precision, name=name, force=force, **options
         )

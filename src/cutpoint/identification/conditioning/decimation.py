@@ -74,7 +74,7 @@ def decimation(known: NDArray[np.bool_], period: float, bandwidth: float) -> Dec
 
     Raises InputError: a bandwidth that is not between 0 and half of the sampling rate, or too few known samples.
     """
-    if not 0.0 < number("identify", "bandwidth", bandwidth, "Hz") < 0.5 / period:
+    if not 0.0 < number("identify_rigid", "bandwidth", bandwidth, "Hz") < 0.5 / period:
         rate = 0.5 / period
         raise InputError(f"bandwidth {bandwidth} Hz must lie between 0 and {rate:g} Hz, half the sampling rate")
     step = max(1, int(0.5 / (bandwidth * period)))

@@ -155,6 +155,14 @@ class DeflectionFit:
         parts = [self.constants, self.waves, [self.offset], self.corrections, moving, self.stiffness, [self.damping]]
         return np.concatenate(parts)[: self.columns.shape[1]]
 
+    @property
+    def beside_the_law(self) -> NDArray[np.intp]:
+        """Columns of waves, offset and corrections, and of those elements, and of the damping, that are above zero."""
+        unbounded = self.constants.size + self.waves.size + 1 + self.corrections.size
+        positive = unbounded + self.reaches.size * self.moving
+        every = np.arange(self.constants.size, self.columns.shape[1])
+        return every[(every < unbounded) | (every >= positive) & (self.values[every] > 0.0)]
+
     def moved(self, step: Array, residual: Array) -> "DeflectionFit":
         """The fit with all unknowns changed by a step (p,), and its residual."""
         sizes = [self.constants.size, self.waves.size, 1, self.corrections.size, self.reaches.size * self.moving]

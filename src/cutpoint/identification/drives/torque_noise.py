@@ -44,7 +44,7 @@ def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
 def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> DeflectionFit:
     """All stiffnesses scaled by one factor, with the deflection under other torques (N,) as instrument; all else but
     reaches changes with them."""
-    count, beside = fit.law.stiffnesses, _free(fit)
+    count, beside = fit.law.stiffnesses, fit.beside_the_law
     columns = fit.columns[:, beside]
     size = np.linalg.norm(columns, axis=0)
     columns = columns / np.where(size > 0.0, size, 1.0)
@@ -61,14 +61,6 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     step[:count] = fit.constants[:count] * (1.0 / (1.0 + softer) - 1.0)
     step[beside] = weights / np.where(size > 0.0, size, 1.0)
     return fit.moved(step, fit.residual - softer * deflection - columns @ weights)
-
-
-def _free(fit: DeflectionFit) -> NDArray[np.intp]:
-    """The unknowns besides the spring's: waves, offset, corrections, and of elements and damping those above zero."""
-    unbounded = fit.constants.size + fit.waves.size + 1 + fit.corrections.size
-    positive = unbounded + (fit.reaches.size if fit.moving else 0)
-    every = np.arange(fit.constants.size, fit.columns.shape[1])
-    return every[(every < unbounded) | (every >= positive) & (fit.values[every] > 0.0)]
 
 
 def _beside(columns: Array, values: Array) -> Array:
