@@ -86,7 +86,7 @@ def adaptive_vdc(law: Any, plant: Plant, memory: Memory | None, m: Any, r: Any) 
     tau, bodies = of_bodies(law, plant, memory.bodies, m, v_r, a_r)
     believed = [with_numbers(d, x) for d, x in zip(plant.drives, memory.joints, strict=True)]
     mine = replace(plant, believed=believed)
-    tau = tau + mine.armature * a_r + mine.link_frictions(v_r) + law.speed_gain * lag
+    tau = tau + mine.armature * a_r + mine.link_frictions(v_r, m.v) + law.speed_gain * lag
     told = joints(mine, law, m, r, [v_r, a_r], np.array([tau, *memory.filter.step(tau, m.period)]))
     learnt = [
         learnt_by(law, plant.drives[k], x, m, JointPowers(lag[k], v_r[k], tau[k], *told[2:, k], m.theta_dot[k]))
@@ -150,11 +150,11 @@ class JointPowers(NamedTuple):
 def learnt_by(law: Any, drive: Any, x: Array, m: Any, p: JointPowers) -> Array:
     """A joint's numbers a period later, each in its share of the nominal ones."""
     motor_lag = p.speed - p.theta_dot if drive.is_elastic else p.lag
-    s = [y * p.lag for y in columns(drive.link_friction, p.v_r)]
+    s = [y * p.lag for y in columns(drive.link_friction, p.v_r, p.v_r)]
     if drive.rotor is not None:
         s.append(p.acceleration * motor_lag)
     if isinstance(drive.compliance, LinearSpring):
         s.append(drive.compliance.stiffness * p.tau_r * (p.lag - motor_lag))
-    s += [y * motor_lag for y in columns(drive.motor_friction, p.speed)]
+    s += [y * motor_lag for y in columns(drive.motor_friction, p.speed, p.speed)]
     x_0, share = numbers_of(drive), law.uncertainty[0]
     return np.clip(x + law.joint_rate[0] * m.period * x_0**2 * s, (1 - share) * x_0, (1 + share) * x_0)

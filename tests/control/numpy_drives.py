@@ -8,22 +8,25 @@ from cutpoint import Coulomb, LinearSpring, Stribeck
 from robot_library import Array
 
 
-def friction(law: Any, speed: float, load: float = 0.0) -> float:
-    """Xia (2019) eqs. (54)-(55), sgn smoothed to tanh, viscous friction at its reference temperature."""
+def friction(law: Any, wanted: float, actual: float) -> float:
+    """Xia (2019) eqs. (54)-(55), sgn smoothed to tanh, viscous friction at its reference temperature.
+
+    The Stribeck bump is that of the actual speed.
+    """
     if law is None:
         return 0.0
-    return float(np.dot(coefficients(law), columns(law, speed)))
+    return float(np.dot(coefficients(law), columns(law, wanted, actual)))
 
 
-def columns(law: Any, speed: float) -> list[float]:
+def columns(law: Any, wanted: float, actual: float) -> list[float]:
     """What friction is for each of its coefficients at one."""
     if law is None:
         return []
-    sign = np.tanh(speed / law.smoothing)
+    sign = np.tanh(wanted / law.smoothing)
     if isinstance(law, Coulomb):
-        return [sign, speed]
-    bump = np.exp(-((speed / law.stribeck_velocity) ** 2))
-    return [(1 - bump) * sign, bump * sign, speed]
+        return [sign, wanted]
+    bump = np.exp(-((actual / law.stribeck_velocity) ** 2))
+    return [(1 - bump) * sign, bump * sign, wanted]
 
 
 def coefficients(law: Any) -> list[float]:

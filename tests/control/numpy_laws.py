@@ -7,7 +7,6 @@ reference; it returns its memory after and the torque, and (VDC) the motor's ref
 from typing import Any
 
 import numpy as np
-from numpy_drives import friction
 from numpy_plant import Plant, along, rates
 from scipy.linalg import expm
 
@@ -38,14 +37,14 @@ def pid(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
 def computed_torque(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
     q, v, q_d, v_d = sides(law, m, r)
     a = r.a + law.kd * (v_d - v) + law.kp * (q_d - q)
-    return None, plant.mass(q) @ a + plant.bias(q, v) + plant.both_frictions(r.v)
+    return None, plant.mass(q) @ a + plant.bias(q, v) + plant.both_frictions(r.v, v)
 
 
 def required(law: Any, plant: Plant, m: Any, r: Any) -> tuple[Array, Array]:
-    """s, and M a_r + C v_r + g + friction(v_r)."""
+    """s, and M a_r + C v_r + g + friction(v_r, v)."""
     q, v, q_d, v_d = sides(law, m, r)
     v_r, a_r = v_d + law.position_gain * (q_d - q), r.a + law.position_gain * (v_d - v)
-    return v_r - v, plant.required(q, v, v_r, a_r) + plant.both_frictions(v_r)
+    return v_r - v, plant.required(q, v, v_r, a_r) + plant.both_frictions(v_r, v)
 
 
 def robust(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
@@ -65,7 +64,7 @@ def slotine_li(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
     q, v, q_d, v_d = sides(law, m, r)
     v_r, a_r = v_d + law.position_gain * (q_d - q), r.a + law.position_gain * (v_d - v)
     Y = plant.required_regressor(q, v, v_r, a_r)
-    torque = Y @ p + plant.armature * a_r + plant.both_frictions(v_r) + law.speed_gain * (v_r - v)
+    torque = Y @ p + plant.armature * a_r + plant.both_frictions(v_r, v) + law.speed_gain * (v_r - v)
     nominal = plant.robot.inertial_parameters.reshape(-1, 10)
     sizes = np.concatenate([sizes_of(x) for x in nominal])
     return p + m.period * law.rate[0] * sizes**2 * (Y.T @ (v_r - v)), torque
@@ -83,26 +82,25 @@ def disturbance_observer(law: Any, plant: Plant, memory: Any, m: Any, r: Any) ->
     q, v, _, _ = sides(law, m, r)
     z = -v if memory is None else memory
     u = np.asarray(command.torque, float)
-    a = np.linalg.solve(plant.mass(q), u - plant.both_frictions(v) - plant.bias(q, v))
+    a = np.linalg.solve(plant.mass(q), u - plant.both_frictions(v, v) - plant.bias(q, v))
     return z - m.period * a, u - law.gain * (z + v)
 
 
 def elastic_computed_torque(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
     """Motor torque J theta'' + tau_f + friction of a motion with the wanted snap, theta = q + delta(tau_f)."""
-    a, jerk = plant.link_motion(*m[2:], r.v)
+    a, jerk = plant.link_motion(*m[2:])
     w = law.bandwidth
     snap = r.snap + 4 * w * (r.jerk - jerk) + 6 * w**2 * (r.a - a) + 4 * w**3 * (r.v - m.v) + w**4 * (r.q - m.q)
     q = along(m.q, m.v, a, jerk, snap)
     v, acceleration = along(m.v, a, jerk, snap), along(a, jerk, snap)
-    held = plant.link_frictions(r.v)
+    held = plant.link_frictions(m.v, m.v)
 
     def tau(t: float) -> Array:
         return plant.mass(q(t)) @ acceleration(t) + plant.bias(q(t), v(t)) + held
 
     theta = np.array([m.q, m.v, a]) + plant.wound(rates(tau, 2))
     reflected = np.array([d.reflected_inertia for d in plant.drives])
-    rub = [friction(d.motor_friction, x) for d, x in zip(plant.drives, theta[1], strict=True)]
-    return None, reflected * theta[2] + tau(0.0) + rub
+    return None, reflected * theta[2] + tau(0.0) + plant.motor_frictions(theta[1], theta[1])
 
 
 def full_state_feedback(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> Told:
@@ -131,12 +129,12 @@ class Filter:
 def vdc(law: Any, plant: Plant, memory: Any, m: Any, r: Any) -> tuple[Any, Array, Array, Array]:
     """Xia (2019) eqs. (12)-(28) in their corrected reading, friction by value."""
     if plant.bends and law.derivatives == "model":
-        a, jerk = plant.link_motion(*m[2:], r.v + law.position_gain * (r.q - m.q))
+        a, jerk = plant.link_motion(*m[2:])
         actual = (m.q, m.v, a, jerk)
     else:
         actual = (m.q, m.v)
     v_r = [d_next + law.position_gain * (d - x) for d, d_next, x in zip(r, r[1:5], actual, strict=False)]
-    rub = plant.link_frictions(v_r[0])
+    rub = plant.link_frictions(v_r[0], m.v)
     K_B = law.body_gain
 
     def tau_r(t: float) -> Array:
@@ -162,8 +160,8 @@ def joints(plant: Plant, law: Any, m: Any, r: Any, v_r: list[Array], tau: Array)
     elastic = np.array([drive.is_elastic for drive in plant.drives])
     speed = v_r[0] + np.where(elastic, d_dot + law.spring_gain * (d - bent), 0.0)
     acceleration = v_r[1] + np.where(elastic, d_ddot + law.spring_gain * (d_dot - bent_dot), 0.0)
-    rub = [friction(drive.motor_friction, x) for drive, x in zip(plant.drives, speed, strict=True)]
+    turning = np.where(elastic, m.theta_dot, m.v)
     reflected = np.array([drive.reflected_inertia for drive in plant.drives]) * elastic
-    lag = speed - np.where(elastic, m.theta_dot, m.v)
-    torque = reflected * acceleration + tau[0] + rub + law.motor_gain * lag
+    rub = plant.motor_frictions(speed, turning)
+    torque = reflected * acceleration + tau[0] + rub + law.motor_gain * (speed - turning)
     return np.array([torque, r.q + d, speed, acceleration])

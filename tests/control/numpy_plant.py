@@ -69,12 +69,15 @@ class Plant:
         C = t.ours(t.ours(pin.computeCoriolisMatrix(t.model, t.data, *t.theirs(q, v))).T).T
         return self.mass(q) @ a_r + C @ v_r + t.gravity_forces(q)
 
-    def link_frictions(self, v: Array) -> Array:
-        return np.array([friction(d.link_friction, x) for d, x in zip(self.drives, v, strict=True)])
+    def link_frictions(self, wanted: Array, v: Array) -> Array:
+        return np.array([friction(d.link_friction, *x) for d, *x in zip(self.drives, wanted, v, strict=True)])
 
-    def both_frictions(self, v: Array) -> Array:
+    def motor_frictions(self, wanted: Array, theta_dot: Array) -> Array:
+        return np.array([friction(d.motor_friction, *x) for d, *x in zip(self.drives, wanted, theta_dot, strict=True)])
+
+    def both_frictions(self, wanted: Array, v: Array) -> Array:
         """Of rigid drives: motor and link have one speed."""
-        return self.link_frictions(v) + [friction(d.motor_friction, x) for d, x in zip(self.drives, v, strict=True)]
+        return self.link_frictions(wanted, v) + self.motor_frictions(wanted, v)
 
     def springs(self, q: Array, v: Array, theta: Array, theta_dot: Array) -> Array:
         """What bending drives exert on their links, N m, with the rate that their springs give it."""
@@ -84,11 +87,11 @@ class Plant:
             found.append([tau + (d.damping or 0.0) * e_dot, slope * e_dot])
         return np.array(found).T
 
-    def link_motion(self, q: Array, v: Array, theta: Array, theta_dot: Array, sliding: Array) -> tuple[Array, Array]:
-        """Acceleration and jerk of the links under their drives; friction by value, that of the speeds `sliding`."""
+    def link_motion(self, q: Array, v: Array, theta: Array, theta_dot: Array) -> tuple[Array, Array]:
+        """Acceleration and jerk of the links under their drives; friction by value."""
         tau, tau_dot = self.springs(q, v, theta, theta_dot)
         M = self.mass(q)
-        a = np.linalg.solve(M, tau - self.link_frictions(sliding) - self.bias(q, v))
+        a = np.linalg.solve(M, tau - self.link_frictions(v, v) - self.bias(q, v))
 
         def held(t: float) -> Array:
             q_t, v_t = q + t * v + t * t * a / 2, v + t * a

@@ -1,5 +1,7 @@
 """Spring and friction laws, alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -85,6 +87,15 @@ def test_flexspline_starts_at_its_rest_stiffness_and_is_smooth_where_it_is_conti
 def test_friction_never_gives_power(law, speed):
     assert law.torque(speed) * speed >= 0.0
     assert law.torque(-speed) == -law.torque(speed)
+
+
+@frictions
+@given(wanted=st.floats(-2.0, 2.0), speed=st.floats(-2.0, 2.0), load=st.floats(-50.0, 50.0))
+def test_what_a_law_compensates_never_drives_its_speed_error(law, wanted, speed, load):
+    law = replace(law, asymmetry=0.3, per_load=0.1)
+    excess = law.required_torque(wanted, speed, load) - law.torque(speed, load)
+    assert (wanted - speed) * excess >= -1e-12
+    assert law.required_torque(speed, speed, load) == law.torque(speed, load)
 
 
 @frictions

@@ -9,7 +9,7 @@ from cutpoint.control.laws.vdc import VDC
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
 from cutpoint.mechanics.bodies.spatial import NO_WRENCH, Wrench
-from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque
+from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque, required_friction
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
 from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches
 from cutpoint.mechanics.required_dynamics import pull, required_motions
@@ -83,7 +83,7 @@ def joint_account(
 
 
 def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
-    return friction_torque(law, wanted) - friction_torque(law, speed)
+    return required_friction(law, wanted, speed) - friction_torque(law, speed)
 
 
 def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:

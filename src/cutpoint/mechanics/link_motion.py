@@ -33,15 +33,13 @@ def torques_on_links(
     v: Scalars,
     theta: Scalars,
     theta_dot: Scalars,
-    sliding: Scalars,
 ) -> list[Jet]:
     """Elastic drives' torques on their links, with rates, N m and N m/s; friction and damping enter by value.
 
-    Xia (2019) eqs. (2)-(3), (21).  sliding: each drive's speed for evaluating friction.  Speeds of a smooth motion are
-    better than v: near rest the sign of measured friction depends on the sensor's last digit.
+    Xia (2019) eqs. (2)-(3), (21).
     """
     tau = [Jet(0, 0)] * system.nv
-    for d, x, w, slid in zip(drives, theta, theta_dot, sliding, strict=True):
+    for d, x, w in zip(drives, theta, theta_dot, strict=True):
         tau_f = spring_torque_and_rate(d.drive, DriveState(q[d.q], v[d.v], x, w))
-        tau[d.v] = tau_f - friction_torque(d.drive.link_friction, slid)
+        tau[d.v] = tau_f - friction_torque(d.drive.link_friction, v[d.v])
     return tau

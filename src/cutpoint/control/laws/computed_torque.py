@@ -12,7 +12,7 @@ from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 
 @dataclass(frozen=True, eq=False)
 class ComputedTorque(RigidLaw):
-    """tau = M(q) (a_d + kd (v_d - v) + kp (q_d - q)) + bias(q, v) + friction(v_d).
+    """tau = M(q) (a_d + kd (v_d - v) + kp (q_d - q)) + bias(q, v) + friction(v_d, v).
 
     kp in 1/s2, kd in 1/s: on a rigid robot each joint's error then obeys e'' + kd e' + kp e = 0.
     """
@@ -28,4 +28,4 @@ class ComputedTorque(RigidLaw):
         q, v, q_d, v_d = self.seen(measurement, reference)
         a = reference.a + self.kd * (v_d - v) + self.kp * (q_d - q)
         tau = inverse_dynamics(self.model.system, [*q], [*v], [*a])
-        return memory, Command(np.array(tau) + np.array(self.friction(reference.v, tau)))
+        return memory, Command(np.array(tau) + np.array(self.friction(reference.v, v, tau)))

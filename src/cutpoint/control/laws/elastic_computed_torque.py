@@ -1,6 +1,6 @@
 """Computed torque for elastic joints: feedback linearisation by elastic inverse dynamics.  De Luca (1988)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,10 +8,8 @@ import numpy as np
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling
 from cutpoint.errors import InputError
-from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.mechanics.elastic_inverse import elastic_inverse_dynamics
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
-from cutpoint.mechanics.system import Driven
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +18,8 @@ class ElasticComputedTorque(ModelLaw):
 
     De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, the place of all four poles of each
     joint's error; one number or one for each drive.  Acceleration and jerk of the links come from the springs'
-    deflection and the model.  It cancels the full model, so it is only as good as the model and the sensors; link
-    friction alone is evaluated at the desired speeds.
+    deflection and the model.  It cancels the full model, so it is only as good as the model and the sensors; friction
+    enters by value, without its rates.
     """
 
     bandwidth: Any
@@ -39,33 +37,10 @@ class ElasticComputedTorque(ModelLaw):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         machine, m, r, w = self.model, measurement, reference, self.bandwidth
-        tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot, r.v)
+        tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
         a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
         # (s + w)^4 = s^4 + 4 w s^3 + 6 w^2 s^2 + 4 w^3 s + w^4
         snap = r.snap + 4 * w * (r.jerk - jerk) + 6 * w * w * (r.a - a)
         snap = snap + w * w * w * (4 * (r.v - m.v) + w * (r.q - m.q))
-        drives = [_held(d, speed) for d, speed in zip(machine.drives, r.v, strict=True)]
-        u = elastic_inverse_dynamics(machine.system, drives, *([*x] for x in (m.q, m.v, a, jerk, snap)))
+        u = elastic_inverse_dynamics(*machine, *([*x] for x in (m.q, m.v, a, jerk, snap)))
         return memory, Command(np.array(u.motor_torque))
-
-
-@dataclass(frozen=True)
-class _Held:
-    """Friction of a fixed value, N m, at any speed."""
-
-    value: Any
-
-    def torque(self, speed: Any, load: Any = 0) -> Any:
-        return self.value
-
-    def share_of_load(self, speed: Any) -> Any:
-        return 0
-
-    def resistance(self, speed: Any, load: Any = 0) -> Any:
-        return 0
-
-
-def _held(driven: Driven, speed: Any) -> Driven:
-    """The drive with its link's friction held at its value for this speed."""
-    friction = _Held(friction_torque(driven.drive.link_friction, speed))
-    return replace(driven, drive=replace(driven.drive, link_friction=friction))

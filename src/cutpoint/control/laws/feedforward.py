@@ -80,7 +80,7 @@ class Feedforward(ModelLaw):
         height = RUNGS.index(self.rung)
         with_rotors, with_friction = (height >= RUNGS.index(rung) for rung in ("rotor", "friction"))
         for k, d in enumerate(machine.drives):
-            friction = friction_of_both_sides(d.drive, v[k], tau[k]) if with_friction else 0
+            friction = friction_of_both_sides(d.drive, v[k], v[k], tau[k]) if with_friction else 0
             if with_rotors and d.drive.is_elastic:  # a rigid drive's rotor is armature already
                 tau[k] = tau[k] + d.drive.reflected_inertia * a[k]
             tau[k] = tau[k] + friction

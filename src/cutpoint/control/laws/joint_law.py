@@ -10,9 +10,8 @@ from cutpoint.mechanics.drives.harmonic_drive import (
     DriveState,
     beside_damping,
     deflection,
-    friction_torque,
-    load_on_motor,
     motor_position,
+    required_friction,
     transmission,
 )
 from cutpoint.model.drive import Drive
@@ -48,11 +47,11 @@ class JointCommand(NamedTuple):
 
 
 def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, speed_gain: Scalar) -> Scalar:
-    """tau_r: torque on the link, friction at the required speed and feedback of the speed, N m.  Xia (2019) eq. (26).
+    """tau_r: torque on the link, friction for the required speed and feedback of the speed, N m.  Xia (2019) eq. (26).
 
     tau: this joint's torque for the required motion of all links.  Friction enters by value, without derivatives.
     """
-    return tau + speed_gain * (v_r - v) + friction_torque(drive.link_friction, value_of(v_r))
+    return tau + speed_gain * (v_r - v) + required_friction(drive.link_friction, value_of(v_r), value_of(v))
 
 
 def joint_command(
@@ -66,7 +65,7 @@ def joint_command(
     tau_r, rotor = required
     if drive.compliance is None:
         speed, load = v_r.derivative(0), tau_r.derivative(0) + rotor
-        torque = load + friction_torque(drive.motor_friction, speed, load) + gain.motor * (speed - at.v)
+        torque = load + required_friction(drive.motor_friction, speed, at.v, load) + gain.motor * (speed - at.v)
         return JointCommand(torque, q_d, speed, v_r.derivative(1))
     # the required deflection, and the deflection error
     wound = beside_damping(drive, drive.compliance.deflection(tau_r), tau_r.derivative(0))
@@ -74,6 +73,7 @@ def joint_command(
     lag = wound - Jet(deflection(drive, at.theta, at.q), value_of(turns) * at.theta_dot - at.v)
     kappa_r = (v_r + wound.rate() + gain.spring * lag) / turns
     speed, acceleration = kappa_r.derivative(0), kappa_r.derivative(1)
-    load = load_on_motor(drive, tau_r.derivative(0), at.theta, speed)
+    tau = tau_r.derivative(0)
+    load = value_of(turns) * tau + required_friction(drive.motor_friction, speed, at.theta_dot, tau)
     torque = drive.reflected_inertia * acceleration + rotor + load + gain.motor * (speed - at.theta_dot)
     return JointCommand(torque, motor_position(drive, q_d + wound.derivative(0)), speed, acceleration)

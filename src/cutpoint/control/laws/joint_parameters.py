@@ -54,6 +54,7 @@ def with_numbers(drive: Drive, numbers: Scalars) -> Drive:
 def powers(drive: Drive, p: JointPower) -> Scalars:
     """The power error per unit of each parameter, W.
 
+    Friction's is that of steady motion at the required speed: it varies less than the law's, which sticking disturbs.
     The compliance's is scaled by the nominal stiffness in place of the true one, a constant: it enters the energy of
     the spring's error, K (delta_r - delta)^2 / 2, and the required deflection is compliance * tau_r.
     """

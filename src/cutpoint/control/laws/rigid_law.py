@@ -49,12 +49,12 @@ class RigidLaw(SidedLaw, ModelLaw):
         """s, and the rigid model's torques for the required motion, friction included, N m; (n,) each."""
         q, v, v_r, a_r, s = self.required_motion(position_gain, measurement, reference)
         tau = required_inverse_dynamics(self.model.system, [*q], [*v], [*v_r], [*a_r])
-        return s, np.array(tau) + np.array(self.friction(v_r, tau))
+        return s, np.array(tau) + np.array(self.friction(v_r, v, tau))
 
-    def friction(self, speeds: Any, torques: Any) -> list[Any]:
-        """Friction on both sides of rigid drives, N m; torques: those that move links and rotors."""
+    def friction(self, required: Any, speeds: Any, torques: Any) -> list[Any]:
+        """Friction on both sides of rigid drives for required speeds, N m; torques: what moves links and rotors."""
         drives = [d.drive for d in self.model.drives]
-        return [friction_of_both_sides(*each) for each in zip(drives, speeds, torques, strict=True)]
+        return [friction_of_both_sides(*each) for each in zip(drives, required, speeds, torques, strict=True)]
 
     def passed_on(self, speeds: Any, torques: Any) -> list[Any]:
         """Motor torques less friction on both sides of rigid drives, N m."""

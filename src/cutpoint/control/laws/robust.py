@@ -15,7 +15,7 @@ from cutpoint.scalars import absolute
 
 @dataclass(frozen=True, eq=False)
 class Robust(RigidLaw):
-    """tau = M a_r + C v_r + g + friction(v_r) + K s + bound s / (|s| + width).
+    """tau = M a_r + C v_r + g + friction(v_r, v) + K s + bound s / (|s| + width).
 
     s = v_r - v, v_r = v_d + Lambda (q_d - q).  position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.
     bound: N m, model error per joint.  width: rad/s, boundary layer that smooths the last term to avoid chatter.

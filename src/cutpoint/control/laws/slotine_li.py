@@ -15,7 +15,7 @@ from cutpoint.mechanics.regressor import required_rotor_torques, required_torque
 
 @dataclass(frozen=True, eq=False)
 class SlotineLi(RigidLaw):
-    """tau = Y(q, v, v_r, a_r) p + K s + friction(v_r), p' = Gamma Y^T s; s = v_r - v, v_r = v_d + Lambda (q_d - q).
+    """tau = Y(q, v, v_r, a_r) p + K s + friction(v_r, v), p' = Gamma Y^T s; s = v_r - v, v_r = v_d + Lambda (q_d - q).
 
     position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.  rate: adaptation gain relative to the bodies' nominal
     sizes, 1/J.  It learns inertial parameters, without bounds; friction and the torques due to rotors' spin, which Y p
@@ -45,7 +45,7 @@ class SlotineLi(RigidLaw):
         Y = required_torque_regressor(system, [*q], [*v], [*v_r], [*a_r])
         rotors = required_rotor_torques(system, [*q], [*v], [*v_r], [*a_r])
         tau = [sum((y * p for y, p in zip(row, memory, strict=True)), x) for row, x in zip(Y, rotors, strict=True)]
-        torque = np.array(tau) + np.array(self.friction(v_r, tau)) + self.speed_gain * s
+        torque = np.array(tau) + np.array(self.friction(v_r, v, tau)) + self.speed_gain * s
         power = [sum((y * x for y, x in zip(column, s, strict=True)), 0) for column in zip(*Y, strict=True)]
         sizes = [x for body in system.segments for x in nominal_sizes(parameters_of(body.inertia))]
         step = measurement.period * self.rate[0]

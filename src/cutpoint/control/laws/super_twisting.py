@@ -15,7 +15,7 @@ from cutpoint.scalars import absolute, sqrt, where
 
 @dataclass(frozen=True, eq=False)
 class SuperTwisting(RigidLaw):
-    """tau = M a_r + C v_r + g + friction(v_r) + K s + k_1 |s|^(1/2) sgn(s) + w, w' = k_2 sgn(s).
+    """tau = M a_r + C v_r + g + friction(v_r, v) + K s + k_1 |s|^(1/2) sgn(s) + w, w' = k_2 sgn(s).
 
     s = v_r - v, v_r = v_d + Lambda (q_d - q).  position_gain: Lambda, 1/s.  speed_gain: K, N m s/rad.
     root_gain: k_1, N m (s/rad)^(1/2).  twist: k_2, N m/s: bound on the rate of the model's torque error.

@@ -43,7 +43,8 @@ class VDC(ModelLaw):
     acceleration and jerk according to the spring's deflection and the model, or "filter", from a critically damped
     command filter of filter_bandwidth (Hz).  Neither differences encoders.  The filter must stay well below the drives'
     own modes: its lag excites them there, and only a spring_gain well above position_gain damps them; see `tune`.
-    Friction is compensated at required speeds, by value: friction that grows with speed then only adds damping.
+    Friction is compensated by value, in the direction of required speeds and with its size at actual ones: where it is
+    known it only adds damping, even friction that falls as speed grows.
     Rotors with full coupling act on their carriers as if their drives were rigid; if these are elastic, derivatives
     must be "filter".
     """
@@ -116,8 +117,7 @@ class VDC(ModelLaw):
         """
         machine, m, r = self.machine, measurement, reference
         if self._bends and self.derivatives == "model":
-            v_r = required_velocity(self.position_gain, r[:3], (m.q, m.v))
-            tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot, [x.derivative(0) for x in v_r])
+            tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
             a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
             v_r = required_velocity(self.position_gain, r[:5], (m.q, m.v, a, jerk))
             q, v = ([Jet(*x) for x in zip(*rates, strict=True)] for rates in ((m.q, m.v, a), (m.v, a, jerk)))

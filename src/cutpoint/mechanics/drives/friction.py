@@ -68,8 +68,15 @@ class Sliding(ABC):
 
     def torque(self, speed: Scalar, load: Scalar = 0) -> Scalar:
         """xi at a speed, while the drive transmits a load, N m."""
-        direction = self.direction(speed)
-        return self.dry(speed, load, direction) * direction + self.viscosity * speed
+        return self.required_torque(speed, speed, load)
+
+    def required_torque(self, required: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        """xi as a law compensates it that wants the required speed, N m: in that direction, but of the speed's size.
+
+        So (required - speed) (required_torque - torque) >= 0 even where dry friction falls as speed grows.
+        """
+        direction = self.direction(required)
+        return self.dry(speed, load, direction) * direction + self.viscosity * required
 
     def columns(self, speed: Scalar) -> list[Scalar]:
         """Torque without load per unit of each coefficient; their products with the coefficients sum to the torque."""

@@ -5,6 +5,7 @@ All quantities at the joint's side: theta is the rotor's angle divided by ratio,
 
 from typing import Any, NamedTuple
 
+from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.scalars import Jet, Scalar, where
@@ -94,10 +95,20 @@ def friction_torque(law: Friction | None, speed: Scalar, load: Scalar = 0, strai
     return law.strained_torque(strain, speed, load)
 
 
-def friction_of_both_sides(drive: Drive, speed: Scalar, torque: Scalar) -> Scalar:
-    """Friction of both sides at one common speed, N m; torque: transmitted by the gear without friction."""
-    on_link = friction_torque(drive.link_friction, speed)
-    return on_link + friction_torque(drive.motor_friction, speed, torque + on_link)
+def required_friction(law: Friction | None, required: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+    """xi that a law compensates which wants the required speed, N m: see `Sliding.required_torque`.
+
+    Laws that do not tell the size of friction from its direction count at the required speed.
+    """
+    if isinstance(law, Sliding | Presliding):
+        return law.required_torque(required, speed, load)
+    return friction_torque(law, required, load)
+
+
+def friction_of_both_sides(drive: Drive, required: Scalar, speed: Scalar, torque: Scalar) -> Scalar:
+    """Friction of both sides, as `required_friction`, N m; torque: transmitted by the gear without friction."""
+    on_link = required_friction(drive.link_friction, required, speed)
+    return on_link + required_friction(drive.motor_friction, required, speed, torque + on_link)
 
 
 def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:

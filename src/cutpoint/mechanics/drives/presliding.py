@@ -51,6 +51,9 @@ class Presliding(ABC):
         """xi in steady sliding, N m, for use without a strain."""
         return self.sliding.torque(speed, load)
 
+    def required_torque(self, required: Scalar, speed: Scalar, load: Scalar = 0) -> Scalar:
+        return self.sliding.required_torque(required, speed, load)
+
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
         """Resistance in steady sliding, N m s/rad."""
         return self.sliding.resistance(speed, load)
