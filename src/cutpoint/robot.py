@@ -19,7 +19,7 @@ from cutpoint.mechanics.bodies.spatial import ZERO, Pose
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.drives import strains as strains_of
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
-from cutpoint.mechanics.elastic_inverse import derivatives_needed
+from cutpoint.mechanics.elastic_inverse import Options, derivatives_needed
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
@@ -337,8 +337,8 @@ class Robot:
         is_plain = friction_rates is False and quasi_rigid is False and strains is None and not higher
         if is_plain and self.derivatives_needed == 4:
             return self._functions["elastic_inverse_dynamics"](q, v, a, jerk, snap)
+        door.check_truths("elastic_inverse_dynamics", friction_rates=friction_rates, quasi_rigid=quasi_rigid)
         key = ("elastic_inverse_dynamics", friction_rates, quasi_rigid, strains is None)
-        definition = variants.with_options(friction_rates, quasi_rigid)
         made = self._functions.get(key)
         given, needed = (q, v, a, jerk, snap, *higher), 4 if quasi_rigid else self.derivatives_needed
         if len(given) != needed + 1:
@@ -347,6 +347,7 @@ class Robot:
             given = (*given, strains)
         if made is None:
             inputs = variants.motion_names(needed) + ("" if strains is None else " strains")
+            definition = partial(definitions.elastic_inverse_dynamics, options=Options(friction_rates, quasi_rigid))
             made = self._function(key, definition, inputs, True, ElasticTorques)
         return made(*given)
 

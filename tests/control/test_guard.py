@@ -7,8 +7,8 @@ import pytest
 from faults import Corrupted, Mad
 from law_library import LAWS, elbow, law
 
-from cutpoint import Log, simulate
-from cutpoint.control import Fault, Guard
+from cutpoint import Log, Sensors, simulate
+from cutpoint.control import Fault, Feedforward, Guard
 from cutpoint.control.law import needs_of
 from cutpoint.trajectories import cycloid
 from robot_library import Array, assert_close
@@ -77,6 +77,12 @@ def test_every_law_holds_when_a_sensor_fails_that_it_needs_and_stops_when_told_s
 def test_every_law_that_goes_mad_is_ramped_down(name):
     log = simulate(elbow(), guarded(Mad(law(name), np.nan, **WHILE)), MOVE, duration=0.1)
     assert_reacts(log, Fault.COMMAND, "ramp")
+
+
+def test_a_guarded_law_that_reads_no_sensor_needs_none():
+    made = Guard(elbow(), Feedforward(elbow(), "gravity"))
+    log = simulate(elbow(), made, MOVE, duration=0.05, sensors=Sensors(sides="motor"))
+    assert not log["fault"].any() and np.abs(log["motor_torque"]).max() > 0
 
 
 def test_a_torque_beyond_its_limit_is_clipped_and_is_no_fault():

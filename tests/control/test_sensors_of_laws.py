@@ -8,6 +8,7 @@ from cutpoint import InputError, Sensors, simulate
 from cutpoint.control import (
     PD,
     PID,
+    Command,
     ComputedTorque,
     DisturbanceObserver,
     Measurement,
@@ -15,6 +16,8 @@ from cutpoint.control import (
     Robust,
     SlotineLi,
     SuperTwisting,
+    margins,
+    slowest_pole,
 )
 from cutpoint.control.law import needs_of
 
@@ -36,6 +39,17 @@ READERS = {
 def test_a_law_that_reads_a_sensor_which_is_not_there_is_refused(sides, name):
     with pytest.raises(InputError, match=rf"reads [\w, ]+, but sensors are on the {sides} side only; use "):
         simulate(elbow(), law(name), duration=0.01, sensors=Sensors(sides=sides))
+
+
+def still(memory, measurement, reference):
+    return memory, Command(-measurement.v)
+
+
+@pytest.mark.parametrize("judge", [slowest_pole, margins])
+@pytest.mark.parametrize("made", [law("VDC, model"), still])
+def test_a_loop_without_the_sensors_that_it_needs_is_not_judged(judge, made):
+    with pytest.raises(InputError, match=r"(slowest_pole|margins): \w+ reads .* are on the motor side only"):
+        judge(elbow(), made, [0.0] * 2, 1e-3, sensors=Sensors(sides="motor"))
 
 
 ONE_SIDED = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import Coulomb, InputError, Log, Rotor, Sensors, SimulationError, simulate
+from cutpoint import Coulomb, InputError, Log, Robot, Rotor, Sensors, SimulationError, simulate
 from cutpoint.control import (
     PD,
     PID,
@@ -116,6 +116,29 @@ def test_sensors_that_are_late_or_differenced_count(name, sensors):
     found = rate(pushed(law(name), 4.0, sensors=sensors))
     assert abs(found / expected - 1) < 0.05, f"{found:.4g} 1/s in simulation, {expected:.4g} 1/s by the pole"
     assert abs(np.log(pole.size / at_once.size)) > 1e-5
+
+
+def rubbing(friction: Coulomb) -> Robot:
+    return elbow().with_drives({name: replace(d, motor_friction=friction) for name, d in elbow().drives.items()})
+
+
+def test_viscous_friction_counts_on_both_sides_of_the_loop():
+    """Against simulation, in which it also keeps a loop stable that is not without."""
+    robot, late = rubbing(Coulomb(0.0, 10.0)), Sensors(delay=3e-3, speeds="differenced")
+    without = slowest_pole(elbow(), law("PD"), UPRIGHT, PERIOD, sensors=late)
+    assert without.size > 1
+    for made in (law("PD"), tune(robot, 3.0, ComputedTorque)):
+        pole = slowest_pole(robot, made, UPRIGHT, PERIOD, sensors=late)
+        found = rate(pushed(made, 4.0, robot=robot, sensors=late))
+        assert pole.size < 1 and abs(found / (np.log(pole.size) / PERIOD) - 1) < 0.05
+
+
+@pytest.mark.parametrize(("friction", "stops"), [((0.0, 1e-9), False), ((0.01, 0.0), False), ((1.0, 0.0), True)])
+def test_what_grows_slowly_is_left_to_dry_friction_where_there_is_enough(friction, stops):
+    with pytest.raises(InputError, match=r"grow by 0\.0\d+ nepers a second"):
+        tune(elbow(), 68.4501)
+    with nullcontext() if stops else pytest.raises(InputError, match=r"grow by 0\.0\d+ nepers a second"):
+        tune(rubbing(Coulomb(*friction)), 68.4501)
 
 
 def test_gains_are_held_against_the_sensors():

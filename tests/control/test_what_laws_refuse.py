@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import InputError, Motor, Robot
+from cutpoint import InputError, Motor, Robot, simulate
 from cutpoint.control import (
     PD,
     PID,
@@ -16,6 +16,7 @@ from cutpoint.control import (
     ComputedTorque,
     DisturbanceObserver,
     ElasticComputedTorque,
+    Feedforward,
     FullStateFeedback,
     GravityCompensation,
     Guard,
@@ -40,6 +41,13 @@ def balls() -> Robot:
     links = [Link("base"), *(Link(name, 1.0, inertia=np.eye(3)) for name in ("upper", "lower"))]
     joints = [Joint("socket", "spherical", "base", "upper"), Joint("hinge", "revolute", "upper", "lower")]
     return Robot(build("balls", links, joints))
+
+
+def renamed(*names: str) -> Robot:
+    """The elbow with other names of its joints."""
+    own = elbow().mechanism
+    bodies = [replace(body, joint=replace(body.joint, name=name)) for body, name in zip(own.bodies, names, strict=True)]
+    return Robot(replace(own, bodies=tuple(bodies)), dict(zip(names, elbow().drives.values(), strict=True)))
 
 
 def late(delay: float) -> Robot:
@@ -266,6 +274,14 @@ REFUSED = {
     "a sum of nothing": (
         lambda: Sum(()),
         r"Sum: it has no parts, so its number of drives is unknown; give it at least one law",
+    ),
+    "a model whose joints are in another order": (
+        lambda: simulate(elbow(), tune(elbow(), 3.0) + Feedforward(renamed("elbow", "shoulder")), duration=0.01),
+        r"Feedforward: the joints of its robot are 'elbow', 'shoulder', but those of this one 'shoulder', 'elbow'",
+    ),
+    "poles with the model of another robot": (
+        lambda: slowest_pole(elbow(), tune(renamed("a", "b"), 3.0, ComputedTorque), [0.0] * 2, 1e-3),
+        r"ComputedTorque: the joints of its robot are 'a', 'b', but those of this one 'shoulder', 'elbow'",
     ),
     "tuning elsewhere": (lambda: tune(elbow(), 3.0, q=[0.0]), r"tune: q has shape \(1,\)"),
 }

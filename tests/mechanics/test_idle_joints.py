@@ -1,6 +1,7 @@
 """Joints that can move while nothing with inertia does: what divides by inertia names them, all else goes on."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -107,3 +108,17 @@ def test_a_joint_with_next_to_no_inertia_is_no_defect():
     spin = Joint("spin", "continuous", "base", "grain")
     robot = Robot(build("grain", [Link("base"), grain], [spin]), backend="numpy")
     np.testing.assert_allclose(robot.forward_dynamics([0.0], [0.0], [2e-24]), [1.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("tip", ["point", "stone"])
+def test_a_joint_of_a_large_robot_that_moves_nothing_is_named(tip):
+    links = [Link("base"), *(replace(STONE, name=f"stone{k}") for k in range(249))]
+    links.append(Link("tip", 1.0, 0.2 * Z) if tip == "point" else replace(STONE, name="tip"))
+    pairs = pairwise(links)
+    joints = [Joint(f"turn{k}", "continuous", a.name, b.name, axis=(X, Z)[k % 2]) for k, (a, b) in enumerate(pairs)]
+    robot, still = Robot(build("chain", links, joints)), np.zeros(250)
+    if tip == "point":
+        with pytest.raises(ModelError, match=r"joint 'turn249' can move without moving any inertia"):
+            robot.forward_dynamics(still, still, still)
+    else:
+        assert np.isfinite(robot.forward_dynamics(still, still, still)).all()

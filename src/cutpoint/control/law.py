@@ -1,6 +1,6 @@
 """Laws that can be added: torques add up, and all track the one motor reference among them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from inspect import signature
@@ -19,7 +19,7 @@ from cutpoint.control.interface import (
     start_of,
     stepped,
 )
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, listed
 from cutpoint.scalars import Scalar, where
 
 
@@ -181,14 +181,21 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
-def check_drives(law: Controller, drives: int) -> None:
-    """Raises InputError if a law, or one of its parts, is for another number of drives."""
+def check_drives(law: Controller, joints: Sequence[str]) -> None:
+    """Raises InputError if a law, or one of its parts, is for another number of drives, or models a robot with other
+    joints."""
     inner = law.parts if isinstance(law, Sum) else (law.law,) if isinstance(law, Wrapper) else ()
     for part in inner:
-        check_drives(part, drives)
+        check_drives(part, joints)
+    drives = len(joints)
     size = getattr(law, "size", drives)
     if size != drives:
         raise InputError(f"{name_of(law)} is for {size} drives, but the robot has {drives}: make it for as many")
+    own = getattr(getattr(law, "robot", None), "joints", joints)
+    if own != joints:
+        found = f"the joints of its robot are {listed(own)}, but those of this one {listed(joints)}"
+        remedy = "give both the same names in the same order"
+        raise InputError(f"{name_of(law)}: {found}; {remedy}", joints=own)
 
 
 def _check_announced(law: Any) -> None:

@@ -1,6 +1,6 @@
 """User-written laws: whether one is a pure step that can be compiled, and what its compiled step depends on."""
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
@@ -16,7 +16,7 @@ from cutpoint.control.interface import (
     start_of,
     stepped,
 )
-from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of
+from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of, parts_of
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
 from cutpoint.kernels.arrays.numpy_backend import evaluate
@@ -49,6 +49,25 @@ def own_parts(law: Any) -> list[Any]:
         return [law]
     inner = law.parts if isinstance(law, Sum) else [law.law] if isinstance(law, Wrapper) else []
     return [part for x in inner for part in own_parts(x)]
+
+
+def fields_read(law: Any, own: Iterable[tuple[Any, Found]]) -> tuple[tuple[str, str], ...]:
+    """Fields of a Measurement that a law's parts declare to need, each with the part's name; those of its own parts
+    that declare none are what was found."""
+    needs = [(part, name) for part in parts_of(law) for name in getattr(part, "needs", ())]
+    needs += [(part, name) for part, found in own for name in found.reads if not hasattr(part, "needs")]
+    return tuple((name_of(part), name) for part, name in needs)
+
+
+def check_encoders(function: str, reads: Iterable[tuple[str, str]], sides: str) -> None:
+    """Raises InputError for a law that reads missing encoders; reads: see `fields_read`."""
+    missing = {"both": (), "motor": ("q", "v"), "link": ("theta", "theta_dot")}[sides]
+    wanted = [(reader, name) for reader, name in reads if name in missing]
+    if wanted:
+        reader = wanted[0][0]
+        names = [name for who, name in wanted if who == reader]
+        told = f"{reader} reads {', '.join(names)}, but sensors are on the {sides} side only"
+        raise InputError(f"{function}: {told}; use a law of that side, or Sensors(sides='both')", needs=names)
 
 
 def check_pure(law: Any, drives: int) -> None:

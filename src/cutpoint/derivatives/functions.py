@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, large, sweeps
-from cutpoint.door import LARGEST
+from cutpoint.door import LARGEST, check_truths
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import RobotKernels, compiled_of
-from cutpoint.functions.variants import motion_names, with_options, wrong_motion
+from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.robot import Robot, check_robot
 
@@ -112,7 +112,7 @@ def elastic_inverse_dynamics(
 
     Strains are not supported.
     """
-    with_options(friction_rates, quasi_rigid)  # checks them
+    check_truths("derivatives.elastic_inverse_dynamics", friction_rates=friction_rates, quasi_rigid=quasi_rigid)
     options, kernels = Options(friction_rates, quasi_rigid), _kernels_of(robot)
     needed = 4 if quasi_rigid else robot.derivatives_needed
     given = (q, v, a, jerk, snap, *higher)

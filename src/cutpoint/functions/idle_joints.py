@@ -1,5 +1,6 @@
 """Joints that move no inertia, for which functions that divide by inertia are singular."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,8 @@ from cutpoint.errors import ModelError, listed
 from cutpoint.functions.configurations import at_random
 from cutpoint.functions.rotor_coupling import rotor_coupling, without_rotors
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia
+from cutpoint.mechanics.kinematics import joint_poses
+from cutpoint.mechanics.mass_matrix import composite_inertias
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 
@@ -17,7 +20,7 @@ ROUNDING = 1e-13
 """Of the inertia that a motion could move at most."""
 
 MOST = 200
-"""Bodies of the largest robot that is looked at: a third of a second."""
+"""Bodies of the largest robot of which all motions are looked at, up to a second; of larger ones it is each joint's."""
 
 CONFIGURATIONS = 3
 """At random, at all of which inertia must be missing: at a single one two axes may happen to fall together."""
@@ -25,7 +28,11 @@ CONFIGURATIONS = 3
 
 def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
     """Raises ModelError, with the joints' names, if joints can move without moving positive inertia."""
-    if not machine.system.nv or len(mechanism.bodies) > MOST:
+    if not machine.system.nv:
+        return
+    if len(mechanism.bodies) > MOST:
+        if idle := _idle_alone(mechanism, machine.system):
+            raise ModelError(_complaint(idle[:1], True), joints=idle)
         return
     for follow in (True, False) if machine.system.has_sprung_rotors else (True,):
         rng, idle = np.random.default_rng(0), list[str]()
@@ -35,6 +42,26 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
                 break
         if idle:
             raise ModelError(_complaint(idle, follow), joints=idle)
+
+
+def _idle_alone(mechanism: Mechanism, system: System) -> list[str]:
+    """Joints of which each moves no inertia while all others stand still."""
+    both = system, _spread(system)
+    own, most = (_alone(x, [body.inertia for body in x.segments]) for x in both)
+    if (own > ROUNDING * most).all():
+        return []
+    X = joint_poses(system, at_random(mechanism, system, np.random.default_rng(0), ()).tolist())
+    carried, most = (_alone(x, composite_inertias(x, X)) for x in both)
+    return list(dict.fromkeys(_names(mechanism, system)[carried <= ROUNDING * most]))
+
+
+def _alone(system: System, inertias: Sequence[Inertia]) -> "np.ndarray":
+    """(nv,): inertia that each coordinate moves by itself, if bodies have these; those of followers add up."""
+    found = np.array(system.armature, float)
+    for body, inertia in zip(system.segments, inertias, strict=True):
+        for v, z in body.columns():
+            found[v] += z.power(inertia * z)
+    return found
 
 
 def _complaint(idle: list[str], follow: bool) -> str:
@@ -53,10 +80,7 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
     follow: whether rotors behind springs turn along with their carriers.
     """
     system = machine.system
-    q, names = at_random(mechanism, system, rng, ()), np.empty(system.nv, object)
-    for segment, body in zip(system.segments, mechanism.bodies, strict=True):
-        if not segment.follower:
-            names[segment.v] = body.joint.name
+    q, names = at_random(mechanism, system, rng, ()), _names(mechanism, system)
     M, most = (np.array(definitions.mass(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
     M = M if follow else without_rotors(machine, M, rotor_coupling(machine, q))
     scale = np.sqrt(np.diag(most))
@@ -64,6 +88,15 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
     share = np.abs(vectors[:, 0])
     return list(dict.fromkeys(names[share > 0.1 * share.max()])) if values[0] < ROUNDING else []
+
+
+def _names(mechanism: Mechanism, system: System) -> "np.ndarray":
+    """(nv,): the joint of each coordinate."""
+    names = np.empty(system.nv, object)
+    for segment, body in zip(system.segments, mechanism.bodies, strict=True):
+        if not segment.follower:
+            names[segment.v] = body.joint.name
+    return names
 
 
 def _spread(system: System) -> System:

@@ -1,16 +1,14 @@
 """Variants of a robot's functions: with wrenches at frames, a number of derivatives, or options."""
 
 from collections.abc import Mapping, Sequence
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint import definitions
-from cutpoint.door import are_plain_vectors, check_kind, check_truths, checked_array, checked_name
+from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
 from cutpoint.errors import InputError
-from cutpoint.mechanics.elastic_inverse import Options
 
 
 def checked_wrenches(
@@ -52,18 +50,3 @@ def wrong_motion(function: str, given: int, needed: int) -> InputError:
         taken = f"{needed} derivatives of the position are needed, {', '.join(names[1 : needed + 1])}"
         told = f"{function}: {taken}: {given} are given; pass strains and options by name, as in strains=..."
     return InputError(told, needed=needed)
-
-
-def with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
-    """An elastic inverse dynamics with these options.  Raises InputError: one is not True or False."""
-    try:
-        return _with_options(friction_rates, quasi_rigid)
-    except TypeError:  # from the cache, for unhashable arguments
-        return _with_options.__wrapped__(friction_rates, quasi_rigid)
-
-
-@cache
-def _with_options(friction_rates: bool, quasi_rigid: bool) -> Any:
-    check_truths("elastic_inverse_dynamics", friction_rates=friction_rates, quasi_rigid=quasi_rigid)
-    options = Options(friction_rates, quasi_rigid)
-    return partial(definitions.elastic_inverse_dynamics, options=options)

@@ -15,16 +15,20 @@ def mass_matrix(system: System, q: Scalars) -> list[list[Scalar]]:
     """M(q), nv x nv, with rigidly geared rotors as armature.  Featherstone (2008) section 6.2."""
     X = joint_poses(system, q)
     M = [[I_m if j == k else 0 for k in range(system.nv)] for j, I_m in enumerate(system.armature)]
-    # inward: composite inertias
+    for i, composite in enumerate(composite_inertias(system, X)):
+        _add_row(system, X, composite, i, M)
+    if any(not spin.elastic for spin in system.spins):
+        _add_spins(system, X, M)
+    return M
+
+
+def composite_inertias(system: System, X: Sequence[Pose]) -> list[Inertia]:
+    """Inertia of each body with all that it carries, in its own frame; X: its pose in its parent."""
     composite: list[Inertia] = [body.inertia for body in system.segments]
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
             composite[body.parent] = composite[body.parent] + composite[i].seen_from_parent(X[i])
-    for i in range(len(composite)):
-        _add_row(system, X, composite[i], i, M)
-    if any(not spin.elastic for spin in system.spins):
-        _add_spins(system, X, M)
-    return M
+    return composite
 
 
 def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:

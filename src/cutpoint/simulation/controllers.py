@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import Command, name_of
-from cutpoint.control.law import Law, as_law, check_drives, parts_of
-from cutpoint.control.own_law import own_parts, traced
-from cutpoint.errors import InputError, TraceError
+from cutpoint.control.law import Law, as_law, check_drives
+from cutpoint.control.own_law import fields_read, own_parts, traced
+from cutpoint.errors import TraceError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, structure_of
 
@@ -39,9 +39,9 @@ class Admitted:
 
 
 def fitting(robot: Robot, controller: Any) -> Any:
-    """The controller as a law.  Raises InputError if it is not a law, or is for another number of drives."""
+    """The controller as a law.  Raises InputError if it is not a law, or is for other drives."""
     law = as_law(controller)
-    check_drives(law, len(robot.drives))
+    check_drives(law, robot.joints)
     return law
 
 
@@ -55,19 +55,6 @@ def admitted(robot: Robot, controller: Any) -> Admitted:
     own = {id(part): (part, traced(part, n)) for part in own_parts(law)}
     refusal = next((found.refusal for _, found in own.values() if found.refusal), None)
     structure = structure_of(law, {key: found.key for key, (_, found) in own.items()})
-    reads = [(part, name) for part in parts_of(law) for name in getattr(part, "needs", ())]
-    reads += [(part, name) for part, found in own.values() for name in found.reads if not hasattr(part, "needs")]
     if refusal:  # code compiled around a callback depends on the number of numbers
         structure = ("called back", name_of(law), len(leaves(law)))
-    return Admitted(law, structure, tuple((name_of(part), name) for part, name in reads), refusal)
-
-
-def check_sensors(law: Admitted, sides: str) -> None:
-    """Raises InputError for a law that reads missing encoders."""
-    missing = {"both": (), "motor": ("q", "v"), "link": ("theta", "theta_dot")}[sides]
-    wanted = [(reader, name) for reader, name in law.reads if name in missing]
-    if wanted:
-        reader = wanted[0][0]
-        names = [name for who, name in wanted if who == reader]
-        told = f"{reader} reads {', '.join(names)}, but sensors are on the {sides} side only"
-        raise InputError(f"simulate: {told}; use a law of that side, or Sensors(sides='both')", needs=names)
+    return Admitted(law, structure, fields_read(law, own.values()), refusal)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import Controller, StepFunction, start_of
+from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
 from cutpoint.door import check_kind, whole
@@ -18,7 +19,7 @@ from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.beginning import beginning
 from cutpoint.simulation.cache import programs_for
-from cutpoint.simulation.controllers import Admitted, FreeResponse, admitted, check_sensors
+from cutpoint.simulation.controllers import Admitted, FreeResponse, admitted
 from cutpoint.simulation.inputs import (
     MOST_STEPS,
     Disturbance,
@@ -157,7 +158,7 @@ def prepared(
     check_size(robot)
     start, commanded = beginning(robot, initial, reference, not isinstance(law.law, FreeResponse))
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
-    check_sensors(law, encoders.sides)
+    check_encoders("simulate", law.reads, encoders.sides)
     remembers = with_float_leaves(start_of(law.law))
     programs = programs_for(robot, law, encoders, remembers)
     kept = None if channels is None else frozenset(channels)

@@ -11,10 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.control.interface import name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
+from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
 from cutpoint.control.sensors import Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
 from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError
+from cutpoint.mechanics.drives.friction import Coulomb, Sliding
+from cutpoint.mechanics.drives.presliding import Presliding
+from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import rebuild
 
@@ -67,17 +71,17 @@ def slowest_pole(
     """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this control period (s).
 
     The robot is linearised at q and discretised exactly, its motors' current loops and delays included; the law is
-    differenced about rest.  Neither includes friction, whose slope at rest is that of its smoothing, nor kinematic
-    error, ripple and cogging, whose slopes change within each wave.  Laws that are discontinuous at rest have no slope,
-    and the result does not apply to them.  Memory counts where motion changes it and the command depends on it; clocks
-    and latched faults do not.
+    differenced about rest.  Of friction both include the viscous part; not dry friction, whose slope at rest is that of
+    its smoothing, nor kinematic error, ripple and cogging, whose slopes change within each wave.  Laws that are
+    discontinuous at rest have no slope, and the result does not apply to them.  Memory counts where motion changes it
+    and the command depends on it; clocks and latched faults do not.
 
     The law's reference is chosen so that it carries the robot's load there.
     sensors: their delay and differenced speeds count, their noise and resolution do not; perfect by default.
 
     Raises:
         InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay; sensors delay for
-            so long that there are too many poles; the law reports a fault at that pose.
+            so long that there are too many poles; the law reports a fault at that pose, or reads missing encoders.
         TraceError: the law is a user's own, and cannot be compiled.
     """
     loop = sampled_loop("slowest_pole", robot, law, q, control_period, sensors)
@@ -101,8 +105,10 @@ def sampled_loop(
     period = positive(function, "control_period", period, "s")
     check_all_driven(function, robot)
     check_delays(function, robot, period)
-    model = robot.linearize(q)
-    encoded = _encoded(function, encoders_of(sensors or Sensors(), len(robot.drives), period), period)
+    encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
+    check_encoders(function, fields_read(law, ((x, traced(x, encoders.size)) for x in own_parts(law))), encoders.sides)
+    model = _linear(robot, q)
+    encoded = _encoded(function, encoders, period)
     answer, plant = _slopes(function, robot, law, model, period), _sampled(robot, model, period)
     # one row per state: the plant's, the previous sample's commands, the law's memory and the sensors'
     sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
@@ -190,10 +196,10 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     """A law's own stiffness and damping of each joint at rest at q, with link and motor displaced together.
 
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
-    law is differenced without friction, as in `slowest_pole`; one that jumps at rest has no slope.
+    law is differenced as in `slowest_pole`; one that jumps at rest has no slope.
     """
     robot, q, law = _checked("small_signal", robot, law, q)
-    rest = LawAtRest(robot, law, robot.linearize(q).point, period)
+    rest = LawAtRest(robot, law, _linear(robot, q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds
     slopes = differences(lambda x: rest.response((together @ x).reshape(4, n), rest.memory), np.zeros(2 * n))[0]
@@ -201,17 +207,32 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
 
 
 def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Robot, Array, Any]:
-    """The robot without kinematic errors, the pose, and the law on bare drives."""
+    """The robot and the law with drives as they count here, and the pose."""
     check_robot(function, robot)
     law = as_law(law)
-    check_drives(law, len(robot.drives))
-    wavy = {name: drive for name, drive in robot.drives.items() if drive.kinematic_error is not None}
-    even = robot.with_drives({name: replace(drive, kinematic_error=None) for name, drive in wavy.items()})
-    return even if wavy else robot, checked_array(function, "q", q, robot.nq), on_bare_drives(law)
+    check_drives(law, robot.joints)
+    robot = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
+    return robot, checked_array(function, "q", q, robot.nq), on_bare_drives(law)
+
+
+def _linear(robot: Robot, q: Array) -> "LinearModel":
+    rubs = any(drive.link_friction or drive.motor_friction for drive in robot.drives.values())
+    return robot.linearize(q, friction=rubs)
+
+
+def _bare(drive: Drive) -> Drive:
+    """The drive with viscous friction only, and without kinematic error."""
+    link, motor = map(_viscous, (drive.link_friction, drive.motor_friction))
+    return replace(drive, link_friction=link, motor_friction=motor, kinematic_error=None)
+
+
+def _viscous(law: Friction | None) -> Friction | None:
+    sliding = law.sliding if isinstance(law, Presliding) else law
+    return Coulomb(0.0, sliding.viscosity) if isinstance(sliding, Sliding) and sliding.viscosity else None
 
 
 def on_bare_drives(law: Any) -> Any:
-    """The same law on models whose drives have neither friction nor kinematic error."""
+    """The same law on models whose drives have viscous friction only, and no kinematic error."""
     if isinstance(law, tuple):
         return tuple(on_bare_drives(part) for part in law)
     if not isinstance(law, Law) or not is_dataclass(law):
@@ -220,9 +241,7 @@ def on_bare_drives(law: Any) -> Any:
     changed: dict[str, Any] = {name: on_bare_drives(x) for name, x in found.items() if name in ("law", "parts")}
     if isinstance(law, ModelLaw):
         drives = rebuild([*law.robot.drives.values()], iter([*law.parameters]))
-        nothing: dict[str, Any] = dict.fromkeys(("link_friction", "motor_friction", "kinematic_error"))
-        bare = [replace(drive, **nothing) for drive in drives]
-        changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, bare, strict=True)))
+        changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, map(_bare, drives), strict=True)))
         changed["parameters"] = None
     return replace(law, **changed) if changed else law
 

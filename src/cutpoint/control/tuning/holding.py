@@ -10,12 +10,21 @@ from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.sampled_loop import SampledPole, slowest_pole
 from cutpoint.control.tuning.design import design_of
 from cutpoint.errors import InputError
+from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.harmonic_drive import friction_torque
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
 STOPPED = 1.0
-"""Nepers a second: what grows more slowly is stopped by friction, which the linear plant lacks."""
+"""Nepers a second: what grows more slowly may be left to dry friction, which the linear plant lacks."""
+
+SWINGING = 0.1
+"""rad/s (m/s) of each joint, at which dry friction must still stop it."""
+
+TINY = float(np.finfo(float).tiny)
+"""kg m2, where a joint moves no inertia."""
 
 CREEPING = 0.05
 """Hz: what would swing more slowly does not swing."""
@@ -40,16 +49,17 @@ def check_holds(
 ) -> None:
     """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
 
-    If all drives have friction, poles that grow more slowly than STOPPED are left to it.
+    Poles that grow slowly are left to dry friction, if all drives have enough: see `_stopped`.
     others: bandwidths, Hz, and a function that makes a law of each, to search for a remedy.
     """
     worst = slowest_pole(robot, law, q, period, sensors=sensors)
-    if _is_held(robot, worst, period):
+    stopped = _stopped(robot, q)
+    if _is_held(worst, period, stopped):
         return
 
     def would_hold(law: Any, period: float) -> bool:
         try:
-            return _is_held(robot, slowest_pole(robot, law, q, period, sensors=sensors), period)
+            return _is_held(slowest_pole(robot, law, q, period, sensors=sensors), period, stopped)
         except InputError:  # the period is shorter than a motor's delay
             return False
 
@@ -78,7 +88,23 @@ def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
     return [f"{felt}: a catalogue gear's is without its motor, whose inertia belongs into it"]
 
 
-def _is_held(robot: Robot, pole: SampledPole, period: float) -> bool:
+def _is_held(pole: SampledPole, period: float, stopped: float) -> bool:
     """Whether the pole decays, or grows so slowly that friction stops it."""
-    rubs = all(drive.link_friction or drive.motor_friction for drive in robot.drives.values())
-    return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= STOPPED * rubs
+    return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= stopped
+
+
+def _stopped(robot: Robot, q: Array) -> float:
+    """Growth that the drives' dry friction stops, nepers a second, at most STOPPED.
+
+    Each second a mode that grows by g gains g m V^2 at a joint that swings with speed V, and dry friction takes
+    2 / pi of its torque times V.
+    """
+    dry = np.array([_dry(x.link_friction) + _dry(x.motor_friction) for x in robot.drives.values()])
+    fed = np.maximum(design_of(robot, q, 1.0, 1.0, 1.0).inertia, TINY) * SWINGING
+    return float(min(STOPPED, (2 / np.pi * dry / fed).min()))
+
+
+def _dry(law: Any) -> float:
+    """Dry friction at SWINGING, N m; all of it, of a law of the user's own."""
+    known = law.sliding if isinstance(law, Presliding) else law
+    return float(known.plateau(SWINGING) if isinstance(known, Sliding) else friction_torque(known, SWINGING))

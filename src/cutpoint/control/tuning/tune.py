@@ -45,8 +45,9 @@ def tune(
 
     Raises:
         InputError: the gains are unstable at q: the linear plant with all its springs and motors, sampled every
-            control_period (s), has a growing pole; the message names the joint, its frequency and remedies.  A law
-            that is discontinuous at rest is not tested.  Or a joint, such as a floating base, has no motor.
+            control_period (s), has a pole that grows faster than dry friction stops; the message names the joint, its
+            frequency and remedies.  A law that is discontinuous at rest is not tested.  Or a joint, such as a floating
+            base, has no motor.
     """
     names = [x.__name__ for x in RECIPES]
     check_robot("tune", robot)

@@ -38,7 +38,7 @@ class DisturbanceObserver(RigidLaw, Wrapper):
         self._set(law=as_law(self.law))
         self._keep_gains("gain", size=self.size)
         self._keep_torque_limit()
-        check_drives(self.law, self.size)
+        check_drives(self.law, self.robot.joints)
 
     @property
     def needs(self) -> tuple[str, ...]:

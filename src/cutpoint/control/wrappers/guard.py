@@ -97,7 +97,7 @@ class Guard(Wrapper):
         if not isinstance(self.ramp_time, Traced):
             self._set(ramp_time=positive("Guard", "ramp_time", self.ramp_time, "s"))
         self._set(**limits_of(self.robot, {name: getattr(self, name) for name in LIMITS}))
-        check_drives(self.law, self.size)
+        check_drives(self.law, self.robot.joints)
 
     @property
     def size(self) -> int:
@@ -134,7 +134,7 @@ class Guard(Wrapper):
     def _last_finite(self, memory: Watch, m: Measurement) -> tuple[Measurement, Scalar]:
         """The measurement, non-finite numbers replaced by their last finite ones; whether the law reads any of them."""
         n, odd = self.size, _is_odd(m.time)
-        is_silent = not self.needs or any(not hasattr(part, "needs") for part in own_parts(self.law))
+        is_silent = any(not hasattr(part, "needs") for part in own_parts(self.law))
         needed = SENSED if is_silent else self.needs
         finite: dict[str, Any] = {}
         for k, name in enumerate(SENSED):
