@@ -79,6 +79,15 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
         raise refused(function, name, value, rule) from None
 
 
+def channels(function: str, **given: ArrayLike) -> list[Array]:
+    """Channels (N,) on one time as float64; NaN where not known.  Raises InputError."""
+    found = [as_numbers(function, name, value) for name, value in given.items()]
+    if len({x.shape for x in found}) > 1 or found[0].ndim != 1:
+        shapes = ", ".join(f"{name} {x.shape}" for name, x in zip(given, found, strict=True))
+        raise InputError(f"{function}: channels must be (N,), with one N; shapes are {shapes}")
+    return found
+
+
 def _labels_of(value: Any) -> list[str]:
     """Labels of a table's columns, or of a series' numbers."""
     labels = getattr(value, "columns", getattr(value, "index", ())) if hasattr(value, "to_numpy") else ()
@@ -125,6 +134,14 @@ def positive(function: str, name: str, value: Any, unit: str = "") -> float:
     found = number(function, name, value, unit)
     if not (np.isfinite(found) and found > 0):
         raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and finite", name=name)
+    return found
+
+
+def turns_per_turn(function: str, ratio: Any) -> float:
+    """A gear's ratio as a float that is not zero.  Raises InputError for anything else."""
+    found = number(function, "ratio", ratio, "motor turns per joint turn")
+    if not (np.isfinite(found) and found):
+        raise InputError(f"{function}: ratio {found} must be finite and not zero", name="ratio")
     return found
 
 

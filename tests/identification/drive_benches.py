@@ -167,7 +167,7 @@ def swung(
 
 
 def shaken(robot: cutpoint.Robot, duration: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Random torques of a motor, N m, and what its encoder shows, rad."""
+    """What a motor's encoder shows, rad, under its random torques, N m."""
     noise = 6.0 * np.random.default_rng(seed).standard_normal(round(duration / PERIOD) + 1)
     sensors = cutpoint.Sensors(motor_resolution=STEP / RATIO)
     start = cutpoint.State(q=np.zeros(1), v=np.zeros(1), theta=np.zeros(1))
@@ -178,7 +178,7 @@ def shaken(robot: cutpoint.Robot, duration: float, seed: int = 0) -> tuple[np.nd
         initial=start,
         sensors=sensors,
     )
-    return log["command_torque"][:, 0], log["measured_theta"][:, 0]
+    return log["measured_theta"][:, 0], log["command_torque"][:, 0]
 
 
 def wound(spring, hysteresis: cutpoint.MaxwellSlip, torque: np.ndarray) -> np.ndarray:

@@ -317,7 +317,7 @@ def test_a_well_damped_spring_is_found_too(damping: float):
     torque = 20.0 * np.sin(TURN * (t + 5.0 * t**2))
     theta = dlsim(exact, torque)[1].ravel()
     theta = np.round((theta + step * rng.standard_normal(t.size)) / step) * step
-    fit = fit_response(motor_response(torque + 0.5 * rng.standard_normal(t.size), theta, period), link, low=3.0)
+    fit = fit_response(motor_response(theta, torque + 0.5 * rng.standard_normal(t.size), period), link, low=3.0)
     for name, true in (("stiffness", K), ("rotor", rotor), ("damping", damping)):
         assert abs(np.log(getattr(fit.masses, name) / true)) < max(0.01, 5.0 * fit.deviations[name])
 
@@ -384,15 +384,24 @@ def test_a_play_shows_between_the_loops_and_beside_the_spring():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: two_encoders(T, T[1:], T, PERIOD, RATIO), r"unknowns have shapes .* each must be \(N,\)"),
+        (
+            lambda: two_encoders(T, T[1:], T, PERIOD, RATIO),
+            r"two_encoders: channels must be \(N,\), with one N; shapes are theta .*, q .*, joint_torque ",
+        ),
         (lambda: two_encoders(T, T, T, PERIOD, RATIO), r"torque and deflection must both change to show a spring"),
         (lambda: two_encoders(T[:9], T[:9], T[:9], PERIOD, RATIO), r"9 complete samples are too few: 500 are needed"),
         (lambda: two_encoders(T, 0 * T, T, PERIOD, RATIO, laws=["steel"]), r"no spring law is named 'steel'"),
         (lambda: motor_side(T, T, PERIOD, RATIO), r"give either torque or current"),
         (lambda: motor_response(T, T, PERIOD, 1e-3), r"a window of 1 samples must have at least 32"),
         (lambda: motor_response(T, T, 0.0), r"period 0.0 s must be positive"),
+        (lambda: motor_response("abc", T, PERIOD), r"motor_response: theta must be numbers, got 'abc'"),
+        (lambda: motor_side(T, "abc", PERIOD, RATIO, torque=T), r"motor_side: joint_torque must be numbers, got 'abc'"),
+        (lambda: motor_side(T, T, PERIOD, 0.0, torque=T), r"motor_side: ratio 0.0 must be finite and not zero"),
+        (lambda: two_encoders(T, T, T, PERIOD, 0.0), r"two_encoders: ratio 0.0 must be finite and not zero"),
+        (lambda: locked_output(T, T, -1.0, RATIO), r"locked_output: period -1.0 s must be positive"),
+        (lambda: fit_response(response(8000.0), "x"), r"fit_response: link_inertia must be one number, kg m2, got 'x'"),
         (lambda: locked_output(T, T, PERIOD, RATIO, rated_torque=-5.0), r"rated_torque -5.0 N m must be positive"),
-        (lambda: fit_response(response(8000.0), 0.0), r"link inertia 0.0 kg m2 must be positive"),
+        (lambda: fit_response(response(8000.0), 0.0), r"link_inertia 0.0 kg m2 must be positive"),
         (lambda: fit_response(response(8000.0), 0.5, low=600.0), r"0 coherent frequencies"),
         (lambda: locked_output(1e-4 * T, T + 1.0, PERIOD, RATIO), r"torque runs from 1 to .* both sides of zero"),
         (lambda: locked_output(1e-4 * T, T - T[0], PERIOD, RATIO), r"torque runs from 0 to .* both sides of zero"),

@@ -1,6 +1,6 @@
 """Gravity compensation at the measured configuration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ class GravityCompensation(SidedLaw, ModelLaw):
     spring oscillations back.
     """
 
-    side: Side = "link"
+    side: Side = field(default="link", kw_only=True)
 
     def __post_init__(self) -> None:
         self.check_side()

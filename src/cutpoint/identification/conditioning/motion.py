@@ -1,7 +1,7 @@
 """A recording in the form that the equations take: all joints in order, with speeds, accelerations and torques."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,11 +88,11 @@ def _without_noise_at_rest(positions: Array) -> Array:
     return np.where(known & stands, (low + high) / 2.0, positions)
 
 
-def check_friction(function: str, robot: Robot) -> None:
-    """Raises InputError for friction whose parameters cannot be identified."""
+def check_friction(function: str, robot: Robot, on_motors: Any = Sliding | Presliding) -> None:
+    """Raises InputError for friction whose parameters cannot be identified.  on_motors: kinds of which theirs can."""
     for joint, drive in robot.drives.items():
-        for law in (drive.link_friction, drive.motor_friction):
-            if law is not None and not isinstance(law, Sliding | Presliding):
+        for law, kinds in ((drive.link_friction, Sliding | Presliding), (drive.motor_friction, on_motors)):
+            if law is not None and not isinstance(law, kinds):
                 rule = "whose parameters cannot be identified: state Coulomb's or Stribeck's law, or bristles on one"
                 raise InputError(f"{function}: friction of {joint!r} is {type(law).__name__}, {rule}", joint=joint)
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 from scipy.signal import csd, welch
 
-from cutpoint.door import positive
+from cutpoint.door import channels, positive
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.two_masses import TwoMasses
 
@@ -67,7 +67,7 @@ class ResponseFit:
     unidentifiable: dict[str, str] = field(default_factory=dict[str, str])
 
 
-def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: float | None = None) -> MotorResponse:
+def motor_response(theta: ArrayLike, torque: ArrayLike, period: float, window: float | None = None) -> MotorResponse:
     """Response of theta (N,), rad, to a motor's torque (N,), N m, from cross-spectra over Hann windows (H1).
 
     Encoder noise averages out; under feedback it is in the torque too and biases the response towards the inverse
@@ -78,9 +78,9 @@ def motor_response(torque: ArrayLike, theta: ArrayLike, period: float, window: f
         InputError: shapes that differ, numbers that are not finite, a period or a window out of bounds.
     """
     period = positive("motor_response", "period", period, "s")
-    u, y = (np.asarray(x, dtype=np.float64) for x in (torque, theta))
-    if u.ndim != 1 or u.shape != y.shape or not (np.isfinite(u).all() and np.isfinite(y).all()):
-        raise InputError(f"motor_response: torque and theta of shapes {u.shape}, {y.shape} must be (N,) and finite")
+    y, u = channels("motor_response", theta=theta, torque=torque)
+    if not (np.isfinite(u).all() and np.isfinite(y).all()):
+        raise InputError("motor_response: theta and torque must be finite: cut out a stretch without gaps")
     length = u.size // WINDOWS if window is None else round(positive("motor_response", "window", window, "s") / period)
     if not 32 <= length <= u.size // 2:
         raise InputError(f"motor_response: a window of {length} samples must have at least 32, and at most half of all")
@@ -105,8 +105,7 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
     Raises:
         InputError: a link inertia that is not positive, or too few coherent frequencies in the band.
     """
-    if not link_inertia > 0.0:
-        raise InputError(f"fit_response: link inertia {link_inertia} kg m2 must be positive")
+    link_inertia = positive("fit_response", "link_inertia", link_inertia, "kg m2")
     f = response.frequencies
     used = (f >= low) & (f <= high) & (response.coherence > COHERENT)
     if used.sum() < 20:

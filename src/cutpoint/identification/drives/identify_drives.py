@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.door import as_numbers, number, refused
+from cutpoint.door import as_numbers, check_kind, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.conditioning.motion import check_friction
@@ -18,7 +18,12 @@ from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Array, Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
+from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
+from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot, check_robot
+
+LONGEST_DELAY = 0.1
+"""s, of torques; a longer one is in ms."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +92,9 @@ def identify_drives(
             of another shape.
     """
     check_robot("identify_drives", robot)
-    check_friction("identify_drives", robot)
+    check_friction("identify_drives", robot, on_motors=Coulomb | Stribeck | Presliding)
     check_recording("identify_drives", recording)
+    check_kind("identify_drives", "say", say, Callable, "a function of a joint's name")
     names = robot.joints
     if robot.nq != len(names):
         rule = "identification needs a drive for each coordinate; fix its base, or lock joints"
@@ -96,7 +102,7 @@ def identify_drives(
     if missing := sorted(set(names) - set(recording.joints)):
         raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")
     recording = recording.in_order(names)
-    torque_delay = number("identify_drives", "torque_delay", torque_delay, "s")
+    torque_delay = checked_delay("identify_drives", torque_delay, recording)
     steps = encoder_steps(recording) if resolution is None else _resolution_of(resolution, len(names))
     cutoff = noise_cutoff(recording["q"], recording.period)
     channels = _channels(robot, recording, cutoff, torque_delay)
@@ -113,6 +119,16 @@ def identify_drives(
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)
+
+
+def checked_delay(function: str, delay: float, recording: Recording) -> float:
+    """s by which torques act late.  Raises InputError for more than a log, or any machine, can show."""
+    delay, span = number(function, "torque_delay", delay, "s"), float(np.ptp(recording.time))
+    if not abs(delay) < min(LONGEST_DELAY, span):
+        longest = f"the log, {span:g} s" if span < LONGEST_DELAY else f"{LONGEST_DELAY:g} s"
+        rule = f"must be shorter than {longest}; 0.0005 is half a millisecond"
+        raise InputError(f"{function}: torque_delay {delay} s {rule}", delay=delay)
+    return delay
 
 
 def _resolution_of(given: ArrayLike, joints: int) -> Array:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import positive
+from cutpoint.door import channels, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
@@ -83,7 +83,8 @@ def locked_output(
     Raises:
         InputError: shapes, no complete sweep in both directions, a rated torque or share that is not positive.
     """
-    angle, load = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
+    angle, load = channels("locked_output", theta=theta, torque=torque)
+    period, ratio = positive("locked_output", "period", period, "s"), turns_per_turn("locked_output", ratio)
     share = positive("locked_output", "share", share)
     read = None if rated_torque is None else share * positive("locked_output", "rated_torque", rated_torque, "N m")
     spring = two_encoders(

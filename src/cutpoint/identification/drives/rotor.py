@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
+from cutpoint.door import as_numbers, channels, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
@@ -112,12 +113,16 @@ def motor_side(
     """
     if (torque is None) == (current is None):
         raise InputError("motor_side: give either torque or current")
-    angle, load, drive = _checked(theta, joint_torque, torque if current is None else current)
+    period, ratio = positive("motor_side", "period", period, "s"), turns_per_turn("motor_side", ratio)
+    effort = {"torque": torque} if current is None else {"current": current}
+    angle, load, drive = channels("motor_side", theta=theta, joint_torque=joint_torque, **effort)
+    if not np.nanmax(angle) > np.nanmin(angle):
+        raise InputError("motor_side: theta never changes: was it measured?")
     band = noise_cutoff(load, period) if cutoff is None else cutoff
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
     drive = drive if delay is None else late(drive, period, delay)
     fixed = _terms(angle, drive, period, with_delay=delay is None)
-    borne, target = np.asarray(transmission, dtype=np.float64) * load, -drive
+    borne, target = as_numbers("motor_side", "transmission", transmission) * load, -drive
     if current is None:
         target = target + borne
     else:  # the noise is the current's: all else is estimated over the gain, and the gain as its reciprocal
@@ -136,17 +141,6 @@ def motor_side(
         weights, spread = _by_gain(names, weights, spread, sign)
         scatter *= abs(float(weights[names.index("gain")]))
     return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
-
-
-def _checked(theta: ArrayLike, joint_torque: ArrayLike, effort: ArrayLike | None) -> tuple[Array, Array, Array]:
-    """All arrays as float64.  Raises InputError: shapes, or a motor that stands still."""
-    angle, load, drive = (np.asarray(x, dtype=np.float64) for x in (theta, joint_torque, effort))
-    if not angle.shape == load.shape == drive.shape or angle.ndim != 1:
-        shapes = f"{angle.shape}, {load.shape} and {drive.shape}"
-        raise InputError(f"motor_side: theta, joint torque and effort have shapes {shapes}: each must be (N,)")
-    if not np.nanmax(angle) > np.nanmin(angle):
-        raise InputError("motor_side: theta never changes: was it measured?")
-    return angle, load, drive
 
 
 def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool) -> dict[str, Array]:

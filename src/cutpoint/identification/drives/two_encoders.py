@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.door import channels, positive, turns_per_turn
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
@@ -76,6 +77,7 @@ def two_encoders(
     Raises:
         InputError: shapes, an unknown law, too few samples, or channels that do not move.
     """
+    period, ratio = positive("two_encoders", "period", period, "s"), turns_per_turn("two_encoders", ratio)
     data = _deflections(theta, q, joint_torque, period, ratio, resolution, reading)
     turns = abs(ratio) * float(np.ptp(data.theta)) / (2.0 * np.pi)
     tried = orders if orders is not None else range(1, HIGHEST_ORDER + 1) if turns >= FEWEST_TURNS else ()
@@ -103,8 +105,9 @@ def _deflections(
 ) -> Deflections:
     """The channels of `two_encoders` at the samples at which all are known."""
     unknowns, share = reading.unknowns, reading.transmission
+    more = {**unknowns, **({} if share is None else {"transmission": share})}
     among, (angle, link, load, *own) = _known(
-        theta, q, joint_torque, *unknowns.values(), *([] if share is None else [share])
+        channels("two_encoders", theta=theta, q=q, joint_torque=joint_torque, **more)
     )
     known = dict(zip(unknowns, own, strict=False))
     return Deflections(
@@ -128,12 +131,8 @@ def smallest_step(values: Array) -> float:
     return float(steps.min()) if steps.size else 0.0
 
 
-def _known(*channels: ArrayLike) -> tuple[NDArray[np.bool_], list[Array]]:
+def _known(arrays: Sequence[Array]) -> tuple[NDArray[np.bool_], list[Array]]:
     """The samples at which all channels are known, and these there, angles of motor and link and torque first."""
-    arrays = [np.asarray(x, dtype=np.float64) for x in channels]
-    shapes = [x.shape for x in arrays]
-    if arrays[0].ndim != 1 or len(set(shapes)) > 1:
-        raise InputError(f"two_encoders: theta, q, joint torque, unknowns have shapes {shapes}: each must be (N,)")
     known = np.asarray(np.isfinite(np.column_stack(arrays)).all(axis=1), np.bool_)
     if known.sum() < LEAST_SAMPLES:
         raise InputError(f"two_encoders: {known.sum()} complete samples are too few: {LEAST_SAMPLES} are needed")

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording, check_recording
 
@@ -24,6 +25,7 @@ def joined(recordings: Sequence[Recording]) -> Recording:
 
     Raises InputError: no recording, different periods, a joint of the first that others lack, no common channel.
     """
+    check_kind("joined", "recordings", recordings, Sequence, "Recordings in a list")
     for recording in recordings:
         check_recording("joined", recording)
     if not recordings:

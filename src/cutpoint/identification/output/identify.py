@@ -15,7 +15,7 @@ from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.conditioning.spikes import without_spikes
-from cutpoint.identification.drives.identify_drives import DriveEstimates, encoder_steps
+from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
@@ -39,9 +39,6 @@ SPRING_PARTS = ("compliance", "damping", "kinematic_error", "hysteresis", "motor
 """Parts of a drive that two encoders determine; rotors and friction come with the links."""
 
 MOST_HELD = 0.9
-
-LONGEST_DELAY = 0.1
-"""s: a longer delay was meant in milliseconds."""
 
 OneLog = Recording | str | Path
 
@@ -248,11 +245,7 @@ def _at_uniform_times(recording: Recording) -> Recording:
 
 def _acting(recording: Recording, torque_delay: float) -> Recording:
     """Torques at the times at which they act."""
-    span = float(np.ptp(recording.time))
-    if not abs(torque_delay) < min(LONGEST_DELAY, span):
-        longest = f"the log, {span:g} s" if span < LONGEST_DELAY else f"{LONGEST_DELAY:g} s"
-        rule = f"must be shorter than {longest}; 0.0005 is half a millisecond"
-        raise InputError(f"torque_delay {torque_delay} s {rule}", delay=torque_delay)
+    torque_delay = checked_delay("identify", torque_delay, recording)
     channels = [name for name in EFFORTS if name in recording.channels]
     if not torque_delay or not channels:
         return recording
