@@ -247,7 +247,7 @@ FILES = {
     ),
     "a wave that is none": (
         "version: 1\ndrives:\n  elbow: {kinematic_error: {amplitude: 1e-4, harmonics: [[1, 2]]}}",
-        "joint 'elbow': kinematic_error.harmonics.0 [1.0, 2.0] must be one of: further waves, each"
+        "joint 'elbow': kinematic_error.harmonics.0 [1.0, 2.0] must be one entry of: further waves, each"
         " [order, amplitude, phase] (arm.yaml:3)",
     ),
     "a tab": (

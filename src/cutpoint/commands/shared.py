@@ -112,8 +112,8 @@ def motion_of(
         raise InputError("--smoothing applies only to the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:
         raise InputError("a motion is needed: give a CSV file TRAJECTORY, or --to with --duration")
-    places = {"start": numbers_of(robot, "from", start, degrees), "end": numbers_of(robot, "to", end, degrees)}
-    return cutpoint.trajectories.cycloid(duration=duration, **places)
+    goal = numbers_of(robot, "to", end, degrees)
+    return cutpoint.trajectories.cycloid(goal, duration, start=numbers_of(robot, "from", start, degrees))
 
 
 def _listed(option: str, text: str, count: int) -> Any:

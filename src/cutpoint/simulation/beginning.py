@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
+from cutpoint.functions.compiled import compiled_of
+from cutpoint.functions.special_robots import check_quaternions
 from cutpoint.mechanics.drives.strains import count, gathered
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, lengths
@@ -39,7 +41,9 @@ def _motion(robot: Robot, given: State, reference: Array) -> State:
     speeds = [d.v for d in robot.machine.drives]
     q, v = robot.neutral(), np.zeros(robot.nv)
     q[driven], v[speeds] = reference[0, 0], reference[1, 0]
-    q = q if given.q is None else vector("q", given.q, robot.nq)
+    if given.q is not None:
+        q = vector("q", given.q, robot.nq)
+        check_quaternions("simulate", "initial.q", q, compiled_of(robot).quaternions)
     v = v if given.v is None else vector("v", given.v, robot.nv)
     theta = q[driven] + robot.static_deflection(q) if given.theta is None else given.theta
     omega = v[speeds] if given.theta_dot is None else given.theta_dot

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import check_configuration, checked_array, number, positive
+from cutpoint.door import check_configuration, checked_array, number, positive, whole
 from cutpoint.errors import InputError, listed
 from cutpoint.robot import Robot
 from cutpoint.scalars import is_of_cutpoint
@@ -68,7 +68,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
 def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
     """Raises InputError for a trajectory with another number of joints, or other joint names."""
     n = len(robot.drives)
-    if trajectory.size != n:
+    if whole(function, "trajectory.size", trajectory.size, least=0) != n:
         raise InputError(f"{function}: the trajectory has {trajectory.size} joints, but the robot has {n} drives")
     names = tuple(getattr(trajectory, "joints", ()))
     if names and names != robot.joints:

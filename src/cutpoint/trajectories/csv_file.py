@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.door import checked_names, path_of
-from cutpoint.errors import InputError, counted, unknown_name
+from cutpoint.errors import InputError, counted, listed, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.validation import DEGREES_BEYOND
 from cutpoint.trajectories.samples import Smoothed, from_samples
@@ -66,6 +66,8 @@ def from_csv(
     path = path_of("from_csv", path)
     check_readable(path, LARGEST_FILE)
     asked = None if joints is None else checked_names("from_csv", joints)
+    if asked and len({*asked}) < len(asked):
+        raise InputError(f"from_csv: joints {listed(asked)} must differ from each other", joints=asked)
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
             columns, rows = _read(lines, path, sliding, asked)
@@ -94,7 +96,9 @@ def _read(
     if sliding is not None:  # of joints that nobody asks for it is not known whether they slide
         columns = [_held_against(x, sliding, f"{path}:1") if x.name in (asked or names) else x for x in columns]
     rows: list[list[float]] = []
-    for cells in filter(None, reader):
+    for cells in reader:
+        if len(cells) < 2 and not "".join(cells).strip():
+            continue
         place = f"{path}:{reader.line_num}"
         row = _row(cells, columns, place)
         if rows and row[0] <= rows[-1][0]:

@@ -56,20 +56,20 @@ class ModelLaw(Law):
         return self.robot.machine_with(self.parameters, lean=True)
 
 
-def check_all_driven(name: str, robot: Robot) -> None:
-    """Raises InputError for anything but a robot, and if a joint has no drive: laws get no measurements of it.
+OF_LAWS = "laws only receive measurements of joints with motors; PD and PID with your own gains work without"
 
-    name: the caller.
+
+def check_all_driven(name: str, robot: Robot, rule: str = OF_LAWS) -> None:
+    """Raises InputError for anything but a robot, and if a joint has no drive.
+
+    name: the caller.  rule: why that matters, and what to do.
     """
     check_robot(name, robot)
     driven = {d.v for d in robot.machine.drives}
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.start not in driven:
             what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
-            rule = (
-                f"{what} has no motor ({body.joint.name!r}), and laws only receive measurements of joints with motors"
-            )
-            raise InputError(f"{name}: {rule}; PD and PID with your own gains work without", joint=body.joint.name)
+            raise InputError(f"{name}: {what} has no motor ({body.joint.name!r}): {rule}", joint=body.joint.name)
 
 
 def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:

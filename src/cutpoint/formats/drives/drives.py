@@ -42,6 +42,7 @@ def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] 
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
     """
     path = path_of("load_drives", path)
+    check_kind("load_drives", "mechanism", mechanism, Mechanism, "a Mechanism, as robot.mechanism")
     return parse_drives(read_bytes(path, MAXIMUM_BYTES), mechanism, str(path), locked)
 
 

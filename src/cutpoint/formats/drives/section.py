@@ -101,7 +101,7 @@ class Section:
             return f"must be a mapping: {field.description}"
         if detail["type"] in ("list_type", "too_short", "too_long") and path[-1:] and path[-1].isdigit():
             field = field_of(sheet, path)
-            return f"must be one of: {field.description if field else ''}"
+            return f"must be one entry of: {field.description if field else ''}"
         if detail["type"] == "float_type" and isinstance(detail["input"], str) and "," in detail["input"]:
             return "must be a number, written without commas"
         context = detail.get("ctx", {})

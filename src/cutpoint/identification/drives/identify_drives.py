@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.door import as_numbers, check_kind, number, refused
+from cutpoint.door import as_numbers, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.conditioning.motion import check_friction
@@ -94,7 +94,6 @@ def identify_drives(
     check_robot("identify_drives", robot)
     check_friction("identify_drives", robot, on_motors=Coulomb | Stribeck | Presliding)
     check_recording("identify_drives", recording)
-    check_kind("identify_drives", "say", say, Callable, "a function of a joint's name")
     names = robot.joints
     if robot.nq != len(names):
         rule = "identification needs a drive for each coordinate; fix its base, or lock joints"

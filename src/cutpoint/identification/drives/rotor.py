@@ -111,11 +111,11 @@ def motor_side(
     Raises:
         InputError: neither or both of torque and current, shapes, too few samples, a motor that stands still.
     """
-    if (torque is None) == (current is None):
+    effort = torque if current is None else current
+    if effort is None or (torque is not None and current is not None):
         raise InputError("motor_side: give either torque or current")
     period, ratio = positive("motor_side", "period", period, "s"), turns_per_turn("motor_side", ratio)
-    effort = {"torque": torque} if current is None else {"current": current}
-    angle, load, drive = channels("motor_side", theta=theta, joint_torque=joint_torque, **effort)
+    angle, load, drive = channels("motor_side", theta=theta, joint_torque=joint_torque, effort=effort)
     if not np.nanmax(angle) > np.nanmin(angle):
         raise InputError("motor_side: theta never changes: was it measured?")
     band = noise_cutoff(load, period) if cutoff is None else cutoff

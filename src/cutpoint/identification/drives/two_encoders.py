@@ -105,10 +105,10 @@ def _deflections(
 ) -> Deflections:
     """The channels of `two_encoders` at the samples at which all are known."""
     unknowns, share = reading.unknowns, reading.transmission
-    more = {**unknowns, **({} if share is None else {"transmission": share})}
-    among, (angle, link, load, *own) = _known(
-        channels("two_encoders", theta=theta, q=q, joint_torque=joint_torque, **more)
-    )
+    given: dict[str, ArrayLike] = {"theta": theta, "q": q, "joint_torque": joint_torque, **unknowns}
+    if share is not None:
+        given["transmission"] = share
+    among, (angle, link, load, *own) = _known(channels("two_encoders", **given))
     known = dict(zip(unknowns, own, strict=False))
     return Deflections(
         angle - link,

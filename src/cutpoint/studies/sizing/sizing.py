@@ -103,7 +103,7 @@ def _without_play(robot: Robot) -> Robot:
 
 
 def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
-    check_all_driven("sizing", robot)
+    check_all_driven("sizing", robot, "only what a motor moves can be sized; fix it, or lock it")
     check_kind("sizing", "trajectory", trajectory, Moves, A_TRAJECTORY)
     check_fits("sizing", trajectory, robot)
     dwell = number("sizing", "dwell", dwell, "s")
