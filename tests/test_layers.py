@@ -10,9 +10,9 @@ PACKAGE = Path(cutpoint.__file__).parent
 
 LAYERS = """
     version errors callers
-    files scalars
+    files scalars door
     kernels model reporting
-    mechanics door
+    mechanics
     definitions drive_slopes formats trajectories
     rolled
     functions

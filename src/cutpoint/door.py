@@ -1,6 +1,6 @@
-"""Validation of user input, done once: arrays, numbers, kinds, names, drives, configurations."""
+"""Validation of arguments, done once: arrays, numbers, kinds, names."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable
 from operator import index
 from os import PathLike
 from pathlib import Path
@@ -10,10 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.errors import InputError, ModelError, listed, unknown_name
-from cutpoint.model import Drive, Mechanism
-from cutpoint.model.drive_validation import check_drive
-from cutpoint.model.validation import DRIVEN_KINDS
+from cutpoint.errors import InputError, listed, unknown_name
 
 Array = NDArray[np.float64]
 
@@ -21,15 +18,6 @@ FLOAT64 = np.dtype(np.float64)
 
 LARGEST = 1e15
 """Of an argument, in SI: an angle beyond it is known to an eighth of a turn at best, and no machine has the rest."""
-
-FAR = 10.0
-"""Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
-
-NEAR = 1.25
-"""Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
-
-DRIVES = "a mapping of joint names to Drives"
-"""What arguments that give drives must be."""
 
 _REAL = (int, float, np.integer, np.floating)
 
@@ -181,53 +169,3 @@ def checked_shape(function: str, name: str, value: Any) -> tuple[int, ...]:
     if any(length < 0 for length in shape):
         raise refused(function, name, value, "a whole number from 0, or a tuple of them")
     return shape
-
-
-def driven_joints(mechanism: Mechanism) -> dict[str, int]:
-    """Joints with a drive of their own, by name, with the index of their body: one coordinate, not a follower's."""
-    return {
-        body.joint.name: i
-        for i, body in enumerate(mechanism.bodies)
-        if body.joint.kind in DRIVEN_KINDS and not (mechanism.coupled and body.joint.mimic)
-    }
-
-
-def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Drive]:
-    """A drive for every driven joint, in their order.  Raises ModelError or InputError."""
-    joints = driven_joints(mechanism)
-    check_kind("Robot", "drives", drives, Mapping, DRIVES)
-    for name, drive in drives.items():
-        if name not in joints:
-            raise unknown_name("driven joint", name, joints)
-        check_drive(name, drive)
-        if drive.is_elastic and drive.is_coupled and mechanism.coupled and _has_followers(mechanism):
-            rule = "full rotor coupling behind an elastic drive cannot be combined with coupled mimic joints"
-            raise ModelError(f"joint {name!r}: {rule}; load them as independent, or use 'reduced'", joint=name)
-        own, file = drive.limits, mechanism.bodies[joints[name]].joint.limits
-        if max(own.lower, file.lower) > min(own.upper, file.upper):
-            apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}]"
-            told = f"its drive's position limits, {apart}, do not overlap: change either"
-            raise ModelError(f"joint {name!r}: {told}", joint=name)
-    return {name: drives.get(name, Drive()) for name in joints}
-
-
-def _has_followers(mechanism: Mechanism) -> bool:
-    return any(body.joint.mimic for body in mechanism.bodies)
-
-
-def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
-    """Raises InputError for a configuration far beyond limits, as if in degrees or mm; a little beyond is allowed.
-
-    q: joint positions in the order of the driven joints, rad (m).
-    """
-    for (name, i), x in zip(driven_joints(mechanism).items(), q, strict=True):
-        joint = mechanism.bodies[i].joint
-        low, high = joint.limits.lower, joint.limits.upper
-        exceeded, likeness, unit = abs(high if x > high else low), "", "rad"
-        if joint.kind == "revolute" and abs(x) > max(2 * np.pi, NEAR * exceeded):
-            likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
-        if joint.kind == "prismatic" and abs(x) > max(1.0, FAR * max(abs(low), abs(high))):
-            likeness, unit = "mm: give metres" if low < high else "", "m"
-        if likeness and not low <= x <= high:
-            found = f"position {x:g} {unit} exceeds its limits [{low:g}, {high:g}]"
-            raise InputError(f"joint {name!r}: {found}; this looks like {likeness}", joint=name, position=x)

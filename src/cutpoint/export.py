@@ -186,7 +186,7 @@ def _neutral_arguments(
         if parameter.kind is parameter.VAR_POSITIONAL:
             further = 0 if options.get("quasi_rigid") else robot.derivatives_needed - 4
             arguments += [np.zeros(robot.nv)] * further
-        elif parameter.annotation is ArrayLike or key == "dt":
+        elif parameter.annotation is ArrayLike:
             arguments.append(_neutral(robot, key))
         elif key not in options and parameter.default is parameter.empty:
             raise InputError(f"{function}: give {key}= (--{key} on the command line)", name=key)

@@ -9,10 +9,11 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
-from cutpoint.door import DRIVES, check_kind, check_truths, driven_joints, path_of
+from cutpoint.door import check_kind, check_truths, path_of
 from cutpoint.errors import InputError, ModelError
 from cutpoint.formats import drive_of, load_urdf
 from cutpoint.model import Drive, Mechanism
+from cutpoint.model.drive_validation import DRIVES
 from cutpoint.model.mechanism import STANDARD_GRAVITY
 from cutpoint.robot import Backend, Robot
 
@@ -86,7 +87,7 @@ def _drives(
 ) -> dict[str, Drive]:
     """For every driven joint: the given drive, or the robot file's, or its friction alone."""
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
-    drives = {name: drive_of(joints[name]) for name in driven_joints(mechanism)} | dict(stated)
+    drives = {name: drive_of(joints[name]) for name in mechanism.driven_joints} | dict(stated)
     if isinstance(given, (str, PathLike)):
         from cutpoint.formats import load_drives  # slow to import
 

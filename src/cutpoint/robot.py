@@ -23,6 +23,7 @@ from cutpoint.mechanics.elastic_inverse import Options, derivatives_needed
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
+from cutpoint.model.drive_validation import DRIVES, validated_drives
 from cutpoint.model.limits import limits_in_force
 from cutpoint.model.mechanism import frozen
 from cutpoint.model.places import Places
@@ -66,7 +67,7 @@ class Robot:
         """
         door.checked_name("backend", backend, get_args(Backend))
         door.check_kind("Robot", "mechanism", mechanism, Mechanism, "a Mechanism (cutpoint.load reads files)")
-        own = frozen(door.validated_drives(mechanism, {} if drives is None else drives))
+        own = frozen(validated_drives(mechanism, {} if drives is None else drives))
         compiled = RobotKernels(mechanism, own, backend)
         parts = {"mechanism": mechanism, "drives": own, "backend": backend, "_compiled": compiled}
         parts |= {"_function": compiled.function, "_functions": compiled.functions}
@@ -95,7 +96,7 @@ class Robot:
 
         q and v have them in this order too, among the entries of a floating base and of joints of several axes.
         """
-        return tuple(door.driven_joints(self.mechanism))
+        return tuple(self.mechanism.driven_joints)
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -151,7 +152,7 @@ class Robot:
 
         If the drives differ in numbers only, both robots share their compiled functions.
         """
-        door.check_kind("with_drives", "drives", drives, Mapping, door.DRIVES)
+        door.check_kind("with_drives", "drives", drives, Mapping, DRIVES)
         other = Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
         other._compiled.share_kernels_with(self._compiled)
         return other
@@ -296,8 +297,8 @@ class Robot:
         """(..., cuts): power that passes outward through each of `cuts`, W.  Zhu (2010) section 2.9."""
         return self._functions["power_flows"](q, v, a)
 
-    def integrate(self, q: ArrayLike, v: ArrayLike, dt: float) -> Array:
-        """(..., nq): coordinates after a time dt (s) at constant speeds v, each joint in its moving frame."""
+    def integrate(self, q: ArrayLike, v: ArrayLike, dt: ArrayLike) -> Array:
+        """(..., nq): coordinates after a time dt (...), s, at constant speeds v, each joint in its moving frame."""
         return self._functions["integrate"](q, v, dt)
 
     def difference(self, q: ArrayLike, q_next: ArrayLike) -> Array:
@@ -460,11 +461,11 @@ class Robot:
 
     def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
         """Joint-side angles (or speeds) or torques (..., drives), converted to the rotor's side."""
-        return self._across_gear("to_rotor", angle, torque, 1.0)
+        return self._across_gear("to_rotor", angle, torque, self._ratios)
 
     def from_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
         """Rotor-side angles (or speeds) or torques (..., drives), converted to the joint's side."""
-        return self._across_gear("from_rotor", angle, torque, -1.0)
+        return self._across_gear("from_rotor", angle, torque, 1 / self._ratios)
 
     # how
 
@@ -534,12 +535,15 @@ class Robot:
         definition = variants.on_frames(plain.definition, tuple(wrenches))
         return self._function((name, *wrenches), definition, inputs)(*given, *wrenches.values())
 
-    def _across_gear(self, name: str, angle: ArrayLike | None, torque: ArrayLike | None, direction: float) -> Array:
-        ratio = np.array([drive.ratio for drive in self.drives.values()])
+    @property
+    def _ratios(self) -> Array:
+        return np.array([drive.ratio for drive in self.drives.values()], float)
+
+    def _across_gear(self, name: str, angle: ArrayLike | None, torque: ArrayLike | None, gear: Array) -> Array:
         if angle is not None and torque is None:
-            return door.checked_array(name, "angle", angle, ratio.size) * ratio**direction
+            return door.checked_array(name, "angle", angle, gear.size) * gear
         if torque is not None and angle is None:
-            return door.checked_array(name, "torque", torque, ratio.size) * ratio**-direction
+            return door.checked_array(name, "torque", torque, gear.size) / gear
         raise InputError(f"{name}: give one of angle= and torque=, got {'neither' if angle is None else 'both'}")
 
     def __repr__(self) -> str:

@@ -35,11 +35,11 @@ _ALONG_FOREARM = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _ORIENTATIONS = (_STRAIGHT, _QUARTER_ABOUT_X, _STRAIGHT, _ALONG_FOREARM, _QUARTER_ABOUT_X, _QUARTER_ABOUT_X.T)
 
 
-def xia2019(as_printed: bool = False) -> Robot:
-    """The paper's arm with the drives of its drive file; as_printed as in `xia2019_mechanism`."""
+def xia2019() -> Robot:
+    """The paper's arm with the drives of its drive file."""
     from cutpoint.formats import load_drives  # slow to import
 
-    mechanism = xia2019_mechanism(as_printed)
+    mechanism = xia2019_mechanism()
     return Robot(mechanism, load_drives(XIA2019_DRIVES, mechanism))
 
 

@@ -28,8 +28,8 @@ from cutpoint.commands.tables import (
     modes_table,
     robot_table,
 )
-from cutpoint.door import check_configuration
 from cutpoint.errors import INTERRUPTED, InputError, SimulationError
+from cutpoint.model.limits import check_configuration
 
 MANY_SAMPLES = 100_000
 """Of a log; how large a longer one would be is looked at before it is run."""

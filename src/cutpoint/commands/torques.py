@@ -20,8 +20,9 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
-from cutpoint.door import check_configuration, positive
+from cutpoint.door import positive
 from cutpoint.errors import InputError
+from cutpoint.model.limits import check_configuration
 from cutpoint.model.units import SLIDING
 
 CHANNELS = {

@@ -1,14 +1,16 @@
 """Validation of drives, before any law uses them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.errors import ModelError
+from cutpoint.door import check_kind
+from cutpoint.errors import ModelError, unknown_name
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.drive_rules import KINDS, OFFERED, RISING, RULES, WAVES, WITHIN, Rule, is_number
+from cutpoint.model.mechanism import Mechanism
 from cutpoint.scalars import leaves
 
 STEEPEST = 0.7
@@ -17,6 +19,10 @@ STEEPEST = 0.7
 STEEPEST_CORNER = 30.0
 """Between neighbouring segments a catalogue's stiffness changes by no more of a factor: its inverse, five Newton steps,
 is then within 1e-9."""
+
+
+DRIVES = "a mapping of joint names to Drives"
+"""What arguments that give drives must be."""
 
 
 class Complaint(NamedTuple):
@@ -32,6 +38,29 @@ class Complaint(NamedTuple):
     def __str__(self) -> str:
         part, _, name = self.field.rpartition(".")
         return self.words if self.number is None else f"{name} {self.number} {self.words}{part and f', in {part}'}"
+
+
+def validated_drives(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Drive]:
+    """A drive for every driven joint, in their order.  Raises ModelError or InputError."""
+    joints = mechanism.driven_joints
+    check_kind("Robot", "drives", drives, Mapping, DRIVES)
+    for name, drive in drives.items():
+        if name not in joints:
+            raise unknown_name("driven joint", name, joints)
+        check_drive(name, drive)
+        if drive.is_elastic and drive.is_coupled and mechanism.coupled and _has_followers(mechanism):
+            rule = "full rotor coupling behind an elastic drive cannot be combined with coupled mimic joints"
+            raise ModelError(f"joint {name!r}: {rule}; load them as independent, or use 'reduced'", joint=name)
+        own, file = drive.limits, mechanism.bodies[joints[name]].joint.limits
+        if max(own.lower, file.lower) > min(own.upper, file.upper):
+            apart = f"[{own.lower:g}, {own.upper:g}], and the robot's, [{file.lower:g}, {file.upper:g}]"
+            told = f"its drive's position limits, {apart}, do not overlap: change either"
+            raise ModelError(f"joint {name!r}: {told}", joint=name)
+    return {name: drives.get(name, Drive()) for name in joints}
+
+
+def _has_followers(mechanism: Mechanism) -> bool:
+    return any(body.joint.mimic for body in mechanism.bodies)
 
 
 def check_drive(name: str, drive: Any) -> None:

@@ -1,15 +1,22 @@
-"""Limits of driven joints: those of robot file and drives, combined."""
+"""Limits of driven joints: those of robot file and drives, combined, and positions far beyond them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.errors import InputError
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Limits, Mechanism
 from cutpoint.model.validation import DEGREES_BEYOND
 
 Array = NDArray[np.float64]
+
+FAR = 10.0
+"""Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
+
+NEAR = 1.25
+"""Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
 
 
 def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
@@ -19,6 +26,24 @@ def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[s
     """
     stated = {body.joint.name: body.joint.limits for body in mechanism.bodies}
     return {joint: _tighter(stated[joint], drive.limits) for joint, drive in drives.items()}
+
+
+def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
+    """Raises InputError for a configuration far beyond limits, as if in degrees or mm; a little beyond is allowed.
+
+    q: joint positions in the order of the driven joints, rad (m).
+    """
+    for (name, i), x in zip(mechanism.driven_joints.items(), q, strict=True):
+        joint = mechanism.bodies[i].joint
+        low, high = joint.limits.lower, joint.limits.upper
+        exceeded, likeness, unit = abs(high if x > high else low), "", "rad"
+        if joint.kind == "revolute" and abs(x) > max(2 * np.pi, NEAR * exceeded):
+            likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
+        if joint.kind == "prismatic" and abs(x) > max(1.0, FAR * max(abs(low), abs(high))):
+            likeness, unit = "mm: give metres" if low < high else "", "m"
+        if likeness and not low <= x <= high:
+            found = f"position {x:g} {unit} exceeds its limits [{low:g}, {high:g}]"
+            raise InputError(f"joint {name!r}: {found}; this looks like {likeness}", joint=name, position=x)
 
 
 def look_like_degrees(limits: Limits) -> bool:

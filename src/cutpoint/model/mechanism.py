@@ -16,6 +16,9 @@ JointKind = Literal[
     "fixed", "revolute", "continuous", "prismatic", "helical", "universal", "planar", "spherical", "floating"
 ]
 
+DRIVEN_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
+"""Kinds that a drive may move."""
+
 WORLD = -1
 """Index of the world where the index of a body is asked for."""
 
@@ -146,6 +149,15 @@ class Mechanism(Immutable):
     def sliding(self) -> frozenset[str]:
         """Names of the prismatic joints, with m in place of rad, and N in place of N m."""
         return frozenset(body.joint.name for body in self.bodies if body.joint.kind == "prismatic")
+
+    @property
+    def driven_joints(self) -> dict[str, int]:
+        """Joints with a drive of their own, by name, with the index of their body: one coordinate, not a follower's."""
+        return {
+            body.joint.name: i
+            for i, body in enumerate(self.bodies)
+            if body.joint.kind in DRIVEN_KINDS and not (self.coupled and body.joint.mimic)
+        }
 
     def with_gravity(self, gravity: Array) -> "Mechanism":
         return replace(self, gravity=gravity)

@@ -15,7 +15,7 @@ import numpy as np
 
 from cutpoint.errors import listed, those_that_exist
 from cutpoint.model.lumping import MassProperties
-from cutpoint.model.mechanism import Array, Body, Joint, JointKind, Limits, Link
+from cutpoint.model.mechanism import DRIVEN_KINDS, Array, Body, Joint, JointKind, Limits, Link
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid, unit_vector
 
@@ -40,9 +40,6 @@ TURNING_UNITS = {
     "friction": "N m",
 }
 SLIDING_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "damping": "N s/m", "friction": "N"}
-
-DRIVEN_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
-"""Kinds that a drive may move."""
 
 ONE_COORDINATE: tuple[JointKind, ...] = (*DRIVEN_KINDS, "helical")
 """Kinds that can be locked at a value, lead and follow."""

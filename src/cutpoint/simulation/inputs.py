@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import check_configuration, checked_array, number, positive, whole
+from cutpoint.door import checked_array, number, positive, whole
 from cutpoint.errors import InputError, listed
+from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
 from cutpoint.scalars import is_of_cutpoint
 from cutpoint.simulation.beginning import vector

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from cutpoint.callers import warn
-from cutpoint.door import DRIVES, check_kind, path_of
+from cutpoint.door import check_kind, path_of
 from cutpoint.errors import InputError, listed, those_that_exist
 from cutpoint.files import replacing
 from cutpoint.formats.drives.drive_sheet import DriveSheet, FileSheet
@@ -20,10 +20,9 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
 from cutpoint.formats.urdf.urdf import DegreesWarning
 from cutpoint.model.drive import Drive
-from cutpoint.model.drive_validation import check_drive
+from cutpoint.model.drive_validation import DRIVES, check_drive
 from cutpoint.model.limits import look_like_degrees
-from cutpoint.model.mechanism import Joint, Mechanism
-from cutpoint.model.validation import DRIVEN_KINDS
+from cutpoint.model.mechanism import DRIVEN_KINDS, Joint, Mechanism
 
 VERSION = 1
 

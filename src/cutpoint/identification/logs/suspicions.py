@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import check_configuration
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
+from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]

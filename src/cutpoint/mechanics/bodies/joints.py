@@ -1,8 +1,8 @@
 """Joint kinds.  Each says along which axes of its own frame it is free, and which pose its coordinates give.
 
 Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and its
-torque under a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers the same
-names in the same order: coordinates, axes, neutral, pose, rates, integrated, difference, motion, effort.
+torque under a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers what
+`JointKind` declares, in its order.
 """
 
 from collections.abc import Sequence

@@ -11,7 +11,8 @@ from cutpoint.scalars import Scalar, atan, clip, log, tan, tanh
 POLE_GUARD = 1.5
 """Where law (2) is continued by its tangent, in units of c_f K_f0 deflection; the pole is at pi/2."""
 
-_TAN, _SECANT2 = 14.101419947171719, 199.85004452649767  # tan(1.5) and 1 + tan(1.5)^2
+_TAN, _SECANT2 = 14.101419947171719, 199.85004452649767
+"""tan(POLE_GUARD) and 1 + its square, as literals: tan differs in its last bit from one C library to another."""
 
 
 @dataclass(frozen=True)

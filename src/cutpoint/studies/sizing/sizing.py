@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cutpoint.control.laws.model_law import check_all_driven
-from cutpoint.door import check_configuration, check_kind, number, path_of, positive
+from cutpoint.door import check_kind, number, path_of, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.drives.backlash import spring_of
+from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
 from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
