@@ -147,6 +147,13 @@ def checked_name(kind: str, name: Any, known: Collection[str]) -> str:
     return name
 
 
+def check_choice(function: str, name: str, value: Any, choices: Collection[str]) -> None:
+    """Raises InputError for an argument that is none of a few texts."""
+    if not isinstance(value, str) or value not in choices:
+        *others, last = map(repr, choices)
+        raise InputError(f"{function}: {name} {value!r} must be {', '.join(others)} or {last}", name=name)
+
+
 def checked_names(
     function: str, names: Any, name: str = "joints", rule: str = "names, such as robot.joints"
 ) -> tuple[str, ...]:

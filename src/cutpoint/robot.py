@@ -480,6 +480,9 @@ class Robot:
         lean: with frames, inertias and a unit of length that cost least, for functions that tell nothing of single
         bodies or places.
         """
+        door.check_kind(
+            "machine_with", "parameters", parameters, (Sequence, np.ndarray), "numbers, as drive_parameters"
+        )
         return self._compiled.with_parameters(parameters, lean)
 
     @cached_property

@@ -151,7 +151,7 @@ def test_gains_for_a_bandwidth_make_a_second_order_system_of_each_joint(bandwidt
         (lambda: GravityCompensation(robot("xia2019"), side="both"), "side 'both' must be 'motor' or 'link'"),
         (
             lambda: Feedforward(robot("xia2019"), "all"),
-            "rung 'all' must be one of gravity, rigid, rotor, friction, elastic",
+            "rung 'all' must be 'gravity', 'rigid', 'rotor', 'friction' or 'elastic'",
         ),
         (lambda: tune(robot("xia2019"), -3.0), "bandwidth -3.0 Hz .*must be positive"),
     ],

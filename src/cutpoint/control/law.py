@@ -19,6 +19,7 @@ from cutpoint.control.interface import (
     start_of,
     stepped,
 )
+from cutpoint.door import check_kind
 from cutpoint.errors import InputError, listed
 from cutpoint.scalars import Scalar, where
 
@@ -80,6 +81,7 @@ class Sum(Law):
     parts: tuple[Any, ...]
 
     def __post_init__(self) -> None:
+        check_kind("Sum", "parts", self.parts, (tuple, list), "laws in a tuple")
         if not self.parts:
             raise InputError("Sum: it has no parts, so its number of drives is unknown; give it at least one law")
         makers = [type(part).__name__ for part in self.parts if makes_reference(part)]

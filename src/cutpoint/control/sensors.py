@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import number, whole
+from cutpoint.door import check_choice, number, whole
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
 
@@ -97,10 +97,8 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
         rule = f"must be a whole number of control periods of {period} s"
         raise InputError(f"sensors: delay {sensors.delay} s {rule}", delay=sensors.delay)
-    if sensors.speeds not in ("true", "differenced"):
-        raise InputError(f"sensors: speeds {sensors.speeds!r} must be 'true' or 'differenced'")
-    if sensors.sides not in ("both", "motor", "link"):
-        raise InputError(f"sensors: sides {sensors.sides!r} must be 'both', 'motor' or 'link'")
+    check_choice("sensors", "speeds", sensors.speeds, ("true", "differenced"))
+    check_choice("sensors", "sides", sensors.sides, ("both", "motor", "link"))
     if steps > (most := MOST_DELAYED // (4 * max(size, 1))):
         found = f"delay {sensors.delay:g} s is {steps:.4g} control periods of {period} s"
         rule = f"with {size} drives at most {most} are supported; shorten the delay, or lengthen control_period"

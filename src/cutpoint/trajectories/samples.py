@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
-from cutpoint.door import checked_names, number
+from cutpoint.door import check_truths, checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
 from cutpoint.trajectories.spline import Spline, check_swing
@@ -100,6 +100,7 @@ def from_samples(
     """
     from cutpoint.trajectories.penalty import peak_accelerations, smoothing_spline  # with SciPy slow to import
 
+    check_truths("from_samples", at_rest=at_rest)
     names = None if joints is None else checked_names("from_samples", joints)
     times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
     chosen = _bandwidth(bandwidth, times)

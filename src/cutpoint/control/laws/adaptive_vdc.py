@@ -14,6 +14,7 @@ from cutpoint.control.laws.joint_parameters import JointPower, adapted, nominal,
 from cutpoint.control.laws.model_law import states_by_drive
 from cutpoint.control.laws.vdc import VDC, required_velocity
 from cutpoint.definitions import Machine
+from cutpoint.door import check_choice
 from cutpoint.errors import InputError
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.bodies.rigid_body import body_regressor, inertia_of, parameters_of
@@ -58,8 +59,7 @@ class AdaptiveVDC(VDC):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.update not in ("projection", "natural"):
-            raise InputError(f"AdaptiveVDC: update {self.update!r} must be 'projection' or 'natural'")
+        check_choice("AdaptiveVDC", "update", self.update, ("projection", "natural"))
         if self.derivatives != "filter":
             raise InputError("AdaptiveVDC: derivatives must be 'filter': a model that is being learnt has no jerk")
         self._keep_gains("body_rate", "joint_rate", "uncertainty", size=1)

@@ -8,7 +8,7 @@ import numpy as np
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
 from cutpoint.definitions import Machine
-from cutpoint.errors import InputError
+from cutpoint.door import check_choice
 from cutpoint.mechanics.drives import strains
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_of_both_sides
 from cutpoint.mechanics.drives.motor import torque_for
@@ -33,8 +33,7 @@ class Feedforward(ModelLaw):
     rung: Rung = "elastic"
 
     def __post_init__(self) -> None:
-        if self.rung not in RUNGS:
-            raise InputError(f"Feedforward: rung {self.rung!r} must be one of {', '.join(RUNGS)}", rung=self.rung)
+        check_choice("Feedforward", "rung", self.rung, RUNGS)
         super().__post_init__()
 
     @property

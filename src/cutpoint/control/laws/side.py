@@ -1,10 +1,10 @@
 """Laws that use one side's encoders: the motors' or the links'."""
 
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.law import Law
-from cutpoint.errors import InputError
+from cutpoint.door import check_choice
 
 Side = Literal["motor", "link"]
 
@@ -16,8 +16,7 @@ class SidedLaw(Law):
 
     def check_side(self) -> None:
         """Raises InputError for a side that is neither."""
-        if self.side not in ("motor", "link"):
-            raise InputError(f"{type(self).__name__}: side {self.side!r} must be 'motor' or 'link'")
+        check_choice(type(self).__name__, "side", self.side, get_args(Side))
 
     @property
     def needs(self) -> tuple[str, ...]:

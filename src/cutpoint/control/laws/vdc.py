@@ -16,6 +16,7 @@ from cutpoint.control.laws import command_filter
 from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
 from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling, states_by_drive
 from cutpoint.definitions import Machine
+from cutpoint.door import check_choice
 from cutpoint.errors import InputError
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 from cutpoint.mechanics.required_dynamics import quasi_rigid, required_efforts
@@ -72,8 +73,7 @@ class VDC(ModelLaw):
 
     def _check_derivatives(self, law: str) -> None:
         drives = [*self.robot.drives.items()]
-        if self.derivatives not in ("model", "filter"):
-            raise InputError(f"{law}: derivatives {self.derivatives!r} must be 'model' or 'filter'")
+        check_choice(law, "derivatives", self.derivatives, ("model", "filter"))
         rigid = [name for name, drive in drives if not drive.is_elastic]
         if self.derivatives == "model" and 0 < len(rigid) < len(drives):
             why = f"the drive of {rigid[0]!r} is rigid, so no deflection tells what accelerates its link"
