@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint import derivatives
-from cutpoint.control.interface import start_of
+from cutpoint.control.interface import Control, start_of
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
@@ -82,7 +82,7 @@ def export_function(
 
 def export_controller(
     robot: Robot,
-    law: Any,
+    law: Control,
     folder: str | Path,
     *,
     control_period: float,

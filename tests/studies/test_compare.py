@@ -14,7 +14,7 @@ from cutpoint.commands import app
 from cutpoint.control import PD, ComputedTorque
 from cutpoint.control.stability.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError
-from cutpoint.model.hand import hand_of
+from cutpoint.model.tool import tool_frame_of
 from cutpoint.studies.compare import bench_of, panda, run
 from cutpoint.studies.compare.contenders import CONTENDERS
 from cutpoint.studies.compare.findings import findings
@@ -196,7 +196,7 @@ def test_laws_at_another_stiffness_are_not_ranked_in_what_is_said():
 
 @pytest.mark.parametrize(("name", "frame"), [("panda", "panda_hand_tcp"), ("xia2019", "tool"), ("ur10", "tool0")])
 def test_a_payload_hangs_where_the_tool_is_whatever_fingers_are_beyond_it(name, frame):
-    assert hand_of(robot(name).mechanism) == frame
+    assert tool_frame_of(robot(name).mechanism) == frame
 
 
 def test_pandas_drives_may_repeat_what_its_joints_may():

@@ -10,7 +10,7 @@ from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import app, console, say_notes, say_path
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
-from cutpoint.model.hand import hand_of
+from cutpoint.model.tool import tool_frame_of
 
 Corners = tuple[float, float, float, float, float, float]
 
@@ -82,7 +82,7 @@ def _boxes(robot: cutpoint.Robot, box: Corners | None, frame: str | None) -> dic
         if frame is not None:
             raise InputError(f"--frame {frame!r} needs a box to stay in: add --box X0 Y0 Z0 X1 Y1 Z1")
         return {}
-    return {frame or hand_of(robot.mechanism): (box[:3], box[3:])}
+    return {frame or tool_frame_of(robot.mechanism): (box[:3], box[3:])}
 
 
 @app.command(epilog="Example: cutpoint identify arm.urdf log.csv --drives arm.drives.yaml --mapping map.yaml")

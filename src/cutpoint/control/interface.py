@@ -72,6 +72,9 @@ class Controller(Protocol):
 StepFunction = Callable[[Any, Measurement, Reference], tuple[Any, Any]]
 """A law that is nothing but its step."""
 
+Control = Controller | StepFunction
+"""What users give as a law."""
+
 
 def stepped(law: Controller, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
     """Memory and command after a law's step.

@@ -16,7 +16,7 @@ from cutpoint.mechanics.drives.strains import Strains
 from cutpoint.mechanics.elastic_forward import drive_effort, driven_accelerations
 from cutpoint.model.drive import Drive
 from cutpoint.simulation.loop.loop import BEYOND, ClosedLoop
-from cutpoint.simulation.plant import Own, all_rates, arrived, motor_torque, own_parts, split
+from cutpoint.simulation.plant import Own, all_rates, arrived, by_drive, shaft_and_current, split
 
 Array = NDArray[np.float64]
 Scalars = list[Any]
@@ -123,9 +123,9 @@ class _Way:
 def plant_rates(machine: Machine, x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars) -> Scalars:
     """dx/dt, on a path from origin without reversals of springs."""
     efforts, electric, winding = [], [], []
-    for d, own, past, u in zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), command, strict=True):
+    for d, own, past, u in zip(machine.drives, by_drive(machine, x), by_drive(machine, origin), command, strict=True):
         held = _stretched(d.drive, own, past)
-        shaft, rate = motor_torque(d.drive, own, u)
+        shaft, rate = shaft_and_current(d.drive, own, u)
         effort = drive_effort(d.drive, own.at, shaft, held)
         efforts.append(effort)
         electric += rate
@@ -141,12 +141,12 @@ def _stretched(drive: Drive, own: Own, past: Own) -> Strains:
 
 
 def _settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
-    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
+    parts = zip(machine.drives, by_drive(machine, x), by_drive(machine, origin), strict=True)
     hands = [strains.flat(_stretched(d.drive, own, past)) for d, own, past in parts]
     return [*x[: len(x) - sum(map(len, hands))], *strains.gathered(hands)]
 
 
 def _winding_speeds(machine: Machine, x: Scalars) -> Scalars:
     """d deflection / dt of each drive."""
-    parts = zip(machine.drives, own_parts(machine, x), strict=True)
+    parts = zip(machine.drives, by_drive(machine, x), strict=True)
     return [transmission(d.drive, own.at.theta) * own.at.theta_dot - own.at.v for d, own in parts]

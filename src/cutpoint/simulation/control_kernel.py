@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import kernels
-from cutpoint.control.interface import start_of
+from cutpoint.control.interface import Control, start_of
 from cutpoint.control.own_law import check_pure
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.kernels import Kernel
@@ -37,7 +37,7 @@ class ControlStep(NamedTuple):
     next_memory: Any
 
 
-def law_kernel(robot: Robot, law: Any, *, name: str = "control_step") -> Kernel:
+def law_kernel(robot: Robot, law: Control, *, name: str = "control_step") -> Kernel:
     """One step of a law, equal to the compiled loop's to the last bit; torque limits are not applied.
 
     Inputs: MEASURED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
@@ -65,7 +65,7 @@ def law_memory(law: Any) -> Array:
     return np.array(leaves(with_float_leaves(start_of(law))), float)
 
 
-def _loop_of(robot: Robot, law: Any) -> ClosedLoop:
+def _loop_of(robot: Robot, law: Control) -> ClosedLoop:
     n, law = len(robot.drives), fitting(robot, law)
     check_pure(law, n)
     return ClosedLoop(robot, law, encoders_of(Sensors(), n, 1.0), with_float_leaves(start_of(law)), 1.0, {})

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.interface import Command, name_of
+from cutpoint.control.interface import Command, Control, name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.own_law import fields_read, own_parts, traced
 from cutpoint.errors import TraceError
@@ -38,14 +38,14 @@ class Admitted:
     refusal: TraceError | None
 
 
-def fitting(robot: Robot, controller: Any) -> Any:
+def fitting(robot: Robot, controller: Control) -> Any:
     """The controller as a law.  Raises InputError if it is not a law, or is for other drives."""
     law = as_law(controller)
     check_drives(law, robot.joints)
     return law
 
 
-def admitted(robot: Robot, controller: Any) -> Admitted:
+def admitted(robot: Robot, controller: Control | None) -> Admitted:
     """The controller (None for no torque) and its properties.
 
     User-written laws are traced each time, since state other than the numbers of a dataclass may have changed.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.callers import warn
-from cutpoint.control.interface import name_of
+from cutpoint.control.interface import Control, name_of
 from cutpoint.control.sensors import Sensors
 from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
@@ -25,7 +25,7 @@ from cutpoint.simulation.log.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
-from cutpoint.simulation.simulate import Control, check_kinds, prepared, simulate, steps_of
+from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps.steps_reached import check_steps
 from cutpoint.simulation.steps.substeps import Steps
 from cutpoint.trajectories import Trajectory
@@ -66,7 +66,7 @@ class Runs(Sequence[Any]):
 
 def simulate_many(
     robot: Robot | Sequence[Robot],
-    controller: Control | Sequence[Control] = None,
+    controller: Control | Sequence[Control | None] | None = None,
     trajectory: Trajectory | Sequence[Trajectory] | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,

@@ -71,7 +71,7 @@ def split(machine: Machine, x: Scalars) -> State:
     return State(*([next(numbers) for _ in range(size)] for size in lengths(machine)))
 
 
-def own_parts(machine: Machine, x: Scalars) -> list[Own]:
+def by_drive(machine: Machine, x: Scalars) -> list[Own]:
     """A flat state drive by drive."""
     s = split(machine, x)
     electric = memory.dealt([currents(d.drive) for d in machine.drives], s.current)
@@ -99,11 +99,11 @@ def is_uniform(machine: Machine) -> bool:
 
 def drive_rates(drive: Drive, own: Own, past: Own, command: Scalar) -> tuple[DriveEffort, Scalars]:
     """A drive's effort under a command that has arrived, and d current / dt; on a path from past without reversals."""
-    shaft, electric = motor_torque(drive, own, command)
+    shaft, electric = shaft_and_current(drive, own, command)
     return drive_effort(drive, own.at, shaft, memory.moved(drive, past.strains, past.at, own.at)), electric
 
 
-def motor_torque(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scalars]:
+def shaft_and_current(drive: Drive, own: Own, command: Scalar) -> tuple[Scalar, Scalars]:
     """The motor's shaft torque, N m at the joint's side, and d current / dt if the current loop lags."""
     if not own.current:
         return shaft_torque(drive, command, own.at.theta), []
@@ -117,7 +117,7 @@ def rigid_load(drive: Drive, own: Own, command: Scalar) -> Scalar:
     law = sliding_of(drive.motor_friction)
     if drive.is_elastic or law is None or law.per_load is None:
         return 0
-    return rigidly_transmitted(drive, motor_torque(drive, own, command)[0], own.at.v, own.strains.motor)
+    return rigidly_transmitted(drive, shaft_and_current(drive, own, command)[0], own.at.v, own.strains.motor)
 
 
 def arrived(drive: Drive, command: Scalar, before: Scalar, middle: Scalar, length: Scalar) -> Scalar:
@@ -150,7 +150,7 @@ def settled(machine: Machine, x: Scalars, origin: Scalars) -> Scalars:
 
     Quaternions are normalised.
     """
-    parts = zip(machine.drives, own_parts(machine, x), own_parts(machine, origin), strict=True)
+    parts = zip(machine.drives, by_drive(machine, x), by_drive(machine, origin), strict=True)
     strains = [memory.flat(memory.moved(d.drive, past.strains, past.at, own.at)) for d, own, past in parts]
     count, nq = sum(map(len, strains)), machine.system.nq
     q = of_unit_length(machine.system, x[:nq])

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.interface import Controller, StepFunction, start_of
+from cutpoint.control.interface import Control, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
@@ -40,9 +40,6 @@ from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 Array = NDArray[np.float64]
 Accuracy = Literal["standard", "fine", "reference"]
-Control = Controller | StepFunction | None
-"""A law, or a step without memory; None for no torque."""
-
 
 KINDS: dict[str, tuple[Any, str]] = {
     "robot": (Robot, A_ROBOT),
@@ -58,7 +55,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 
 def simulate(
     robot: Robot,
-    controller: Control = None,
+    controller: Control | None = None,
     trajectory: Trajectory | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.control.interface import Control
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.sampled_loop import sampled_loop
 from cutpoint.errors import InputError
@@ -58,7 +59,9 @@ class Margins(NamedTuple):
     sensitivity: Array
 
 
-def margins(robot: Robot, law: Any, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None) -> Margins:
+def margins(
+    robot: Robot, law: Control, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
+) -> Margins:
     """Stability margins of the loops of a law with this control period (s), for the robot at rest at q.
 
     Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.control.interface import name_of
+from cutpoint.control.interface import Control, name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
 from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
@@ -66,7 +66,7 @@ class SmallSignal(NamedTuple):
 
 
 def slowest_pole(
-    robot: Robot, law: Any, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
+    robot: Robot, law: Control, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
 ) -> SampledPole:
     """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this control period (s).
 
@@ -97,7 +97,7 @@ def slowest_pole(
 
 
 def sampled_loop(
-    function: str, robot: Robot, law: Any, q: ArrayLike, period: float, sensors: Sensors | None
+    function: str, robot: Robot, law: Control, q: ArrayLike, period: float, sensors: Sensors | None
 ) -> SampledLoop:
     """See `slowest_pole`; function: the name for error messages."""
     robot, q, law = _checked(function, robot, law, q)
@@ -192,7 +192,7 @@ def _sampled(robot: Robot, model: "LinearModel", period: float) -> _Plant:
     return _Plant(ahead, now, whole - now)
 
 
-def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSignal:
+def small_signal(robot: Robot, law: Control, q: ArrayLike, period: float) -> SmallSignal:
     """A law's own stiffness and damping of each joint at rest at q, with link and motor displaced together.
 
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
@@ -206,13 +206,13 @@ def small_signal(robot: Robot, law: Any, q: ArrayLike, period: float) -> SmallSi
     return SmallSignal(-np.diag(slopes[:, :n]), -np.diag(slopes[:, n:]))
 
 
-def _checked(function: str, robot: Robot, law: Any, q: ArrayLike) -> tuple[Robot, Array, Any]:
+def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[Robot, Array, Any]:
     """The robot and the law with drives as they count here, and the pose."""
     check_robot(function, robot)
-    law = as_law(law)
-    check_drives(law, robot.joints)
+    made = as_law(law)
+    check_drives(made, robot.joints)
     robot = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
-    return robot, checked_array(function, "q", q, robot.nq), on_bare_drives(law)
+    return robot, checked_array(function, "q", q, robot.nq), on_bare_drives(made)
 
 
 def _linear(robot: Robot, q: Array) -> "LinearModel":

@@ -25,7 +25,7 @@ OTHERS = (0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 1.4, 2.0)
 def tune(
     robot: Robot,
     bandwidth: float,
-    law: Any = PD,
+    law: type[Any] = PD,
     *,
     damping: float = 0.7,
     q: ArrayLike | None = None,

@@ -26,7 +26,7 @@ from cutpoint.simulation.loop.layout import Layout
 from cutpoint.simulation.loop.parameters import Given, law_parameters, parameters_of, with_parameters
 from cutpoint.simulation.loop.stages import PlantStages
 from cutpoint.simulation.loop.step import TABLEAU
-from cutpoint.simulation.plant import Lengths, is_uniform, lengths, own_parts
+from cutpoint.simulation.plant import Lengths, by_drive, is_uniform, lengths
 
 Array = NDArray[np.float64]
 Scalars = list[Scalar]
@@ -133,7 +133,7 @@ class ClosedLoop:
 
     def sense(self, state: Scalars, sensing: Scalars, noise: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         given = self._given(parameters)
-        places = [own.at for own in own_parts(given.machine, self.lanes.dense(state))]
+        places = [own.at for own in by_drive(given.machine, self.lanes.dense(state))]
         sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
         return given.encoders.measure(sample, sensing, noise, given.period)
 
@@ -152,7 +152,7 @@ class ClosedLoop:
         A command that is NaN passes all limits as NaN.
         """
         given = self._given(parameters)
-        own = own_parts(given.machine, self.lanes.dense(state))
+        own = by_drive(given.machine, self.lanes.dense(state))
         motors = zip(given.machine.drives, own, command[: self.layout.n], given.limits, strict=True)
         limited = [clip(within_limits(d.drive, u, own.at.theta_dot), -limit, limit) for d, own, u, limit in motors]
         return self.lanes.padded(limited), torque

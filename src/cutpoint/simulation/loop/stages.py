@@ -25,15 +25,15 @@ from cutpoint.simulation.plant import (
     Own,
     all_rates,
     arrived,
+    by_drive,
     currents,
     drive_rates,
     is_uniform,
-    motor_torque,
     own_of,
-    own_parts,
     own_rates,
     rigid_load,
     settled,
+    shaft_and_current,
     split,
 )
 
@@ -63,7 +63,7 @@ class PlantStages:
         felt: list[Scalars] = []
         for d, own, u, old in zip(*self._drives(parameters, state), torque, before, strict=True):
             delay = d.motor.delay if d.motor else None
-            shaft, _ = motor_torque(d, own, u if delay is None else where(delay > 0, old, u))
+            shaft, _ = shaft_and_current(d, own, u if delay is None else where(delay > 0, old, u))
             effort = drive_effort(d, own.at, shaft, own.strains)
             tau = effort.transmitted
             rubbing = friction_torque(d.motor_friction, own.at.theta_dot, tau, own.strains.motor)
@@ -189,7 +189,7 @@ class PlantStages:
             drive = self._alike(parameters)
             return [drive], [own_of(drive, state)]
         machine = self._machine(parameters)
-        return [d.drive for d in machine.drives], own_parts(machine, state)
+        return [d.drive for d in machine.drives], by_drive(machine, state)
 
     def _machine(self, parameters: Scalars) -> Machine:
         return self.robot.machine_with(parameters[: len(self.robot.drive_parameters)], lean=True)

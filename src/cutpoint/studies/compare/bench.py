@@ -8,8 +8,8 @@ import numpy as np
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
-from cutpoint.model.hand import hand_of
 from cutpoint.model.limits import limits_in_force
+from cutpoint.model.tool import tool_frame_of
 from cutpoint.robot import Robot
 from cutpoint.robots import xia2019
 from cutpoint.studies.chain import Array
@@ -84,7 +84,7 @@ def bench_of(
         raise unknown_name("frame", frame, robot.frames)
     home, goal = (np.zeros(6), np.array(GOAL)) if mine else _ends(robot)
     gears = GEARS if mine else gears_for(robot, home, goal)
-    return Bench(robot, home, goal, frame or hand_of(robot.mechanism), payload, gears, bandwidth, control_period)
+    return Bench(robot, home, goal, frame or tool_frame_of(robot.mechanism), payload, gears, bandwidth, control_period)
 
 
 def _check(robot: Robot) -> None:

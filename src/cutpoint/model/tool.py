@@ -3,7 +3,7 @@
 from cutpoint.model.mechanism import Mechanism
 
 
-def hand_of(mechanism: Mechanism) -> str:
+def tool_frame_of(mechanism: Mechanism) -> str:
     """The last frame whose name has "tool" or "tcp" in it, or the last on the last body."""
     frames, last = mechanism.frames, len(mechanism.bodies) - 1
     named = [frame for frame in frames if "tool" in frame.lower() or "tcp" in frame.lower()]
