@@ -9,15 +9,17 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics import drive_regressor as drives
-from cutpoint.mechanics import elastic_forward, elastic_inverse, energy, kinematics, mass_matrix, power_flow, regressor
+from cutpoint.mechanics import elastic_forward, elastic_inverse, energy, kinematics, power_flow
 from cutpoint.mechanics import forward_dynamics as forward
 from cutpoint.mechanics import inverse_dynamics as inverse
+from cutpoint.mechanics import mass_matrix as mass
+from cutpoint.mechanics import regressor as regression
 from cutpoint.mechanics.bodies.spatial import Pose, Vec3, Wrench
 from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque, spring_torque, static_lead
 from cutpoint.mechanics.drives.strains import Strains, drive_by_drive
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.elastic_inverse import ElasticMotion, Options
+from cutpoint.mechanics.elastic_inverse import DEFAULT, ElasticMotion, Options
 from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
 from cutpoint.mechanics.system import Driven, System
 
@@ -63,9 +65,9 @@ def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
     return transposed(columns)
 
 
-def mass(m: Machine, q: Scalars) -> list[Scalars]:
+def mass_matrix(m: Machine, q: Scalars) -> list[Scalars]:
     """M (nv, nv), with rigidly geared rotors."""
-    return mass_matrix.mass_matrix(m.system, q)
+    return mass.mass_matrix(m.system, q)
 
 
 def kinetic_energy(m: Machine, q: Scalars, v: Scalars) -> Any:
@@ -83,9 +85,9 @@ def momentum(m: Machine, q: Scalars, v: Scalars, theta_dot: Scalars | None = Non
     return [*energy.momentum(m.system, q, v, _rotor_speeds(m, theta_dot))]
 
 
-def torque_regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
+def regressor(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> list[Scalars]:
     """Y (nv, 10 bodies): torques are Y times the bodies' inertial parameters."""
-    return regressor.torque_regressor(m.system, q, v, a)
+    return regression.torque_regressor(m.system, q, v, a)
 
 
 def power_flows(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> Scalars:
@@ -110,13 +112,14 @@ def coordinate_rates(m: Machine, q: Scalars, v: Scalars) -> Scalars:
 
 def elastic_inverse_dynamics(
     m: Machine,
-    options: Options,
     q: Scalars,
     v: Scalars,
     a: Scalars,
     jerk: Scalars,
     snap: Scalars,
     strains: Scalars | None = None,
+    *,
+    options: Options = DEFAULT,
     **higher: Scalars,
 ) -> ElasticMotion:
     """Motor torques and motion for a motion, N m (N) and rad (m): see `mechanics.elastic_inverse`.
@@ -127,9 +130,18 @@ def elastic_inverse_dynamics(
     return elastic_inverse.elastic_inverse_dynamics(m.system, m.drives, q, *rates, options=options, strains=held)
 
 
-def elastic_forward_dynamics(m: Machine, strains: Scalars | None = None, **state: Scalars) -> ElasticAccelerations:
+def elastic_forward_dynamics(
+    m: Machine,
+    q: Scalars,
+    v: Scalars,
+    theta: Scalars,
+    theta_dot: Scalars,
+    motor_torque: Scalars,
+    strains: Scalars | None = None,
+) -> ElasticAccelerations:
     """Accelerations of links and motors, rad/s2 (m/s2): see `mechanics.elastic_forward`."""
-    return elastic_forward.elastic_forward_dynamics(m.system, m.drives, **state, strains=_held(m, strains))
+    state, held = (q, v, theta, theta_dot, motor_torque), _held(m, strains)
+    return elastic_forward.elastic_forward_dynamics(m.system, m.drives, *state, strains=held)
 
 
 def elastic_energy(

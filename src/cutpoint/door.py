@@ -28,10 +28,11 @@ def are_plain_vectors(values: Iterable[Any]) -> bool:
     A small sum of squares implies that every number is small; otherwise `checked_array` decides.
     """
     squares = 0.0
-    for x in values:
-        if type(x) is not np.ndarray or x.dtype is not FLOAT64 or x.ndim != 1:
-            return False
-        squares += x.dot(x)
+    with np.errstate(over="ignore"):
+        for x in values:
+            if type(x) is not np.ndarray or x.dtype is not FLOAT64 or x.ndim != 1:
+                return False
+            squares += x.dot(x)
     return squares < LARGEST * LARGEST
 
 

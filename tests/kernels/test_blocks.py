@@ -147,8 +147,9 @@ def test_what_does_not_fit_is_explained() -> None:
         blocks(good, out=np.zeros((2, 2, width)))
     with pytest.raises(InputError, match=r"pair: blocks of out for .* must be C-contiguous"):
         blocks(good, out=np.asfortranarray(good))
-    with pytest.raises(InputError, match=r"pair: an array of shape \(0, 2\) has no rows"):
-        blocks.of(np.zeros((0, 2)))
+    with pytest.raises(InputError, match=r"pair: an array of shape \(\) has no rows"):
+        blocks.of(np.float64(2.0))
+    assert blocks.rows(blocks(blocks.of(np.zeros((0, 2)))), 0).shape[0] == 0
     for array, count in ((good, 3 * width + 1), (good[..., 1:], 1), (np.zeros(width), 1)):
         with pytest.raises(InputError, match=rf"pair: .* must be \(blocks, \.\.\., {width}\) with at least"):
             blocks.rows(array, count)

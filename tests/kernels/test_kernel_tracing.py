@@ -12,6 +12,7 @@ import pytest
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Graph, compile, graph_of
 from cutpoint.scalars import Jet, absolute, atan, cos, exp, minimum, sin, tan, tanh, where
+from robot_library import assert_close
 
 
 def results(function: Callable[..., Any]) -> tuple[Any, ...]:
@@ -164,9 +165,26 @@ def test_what_numpy_or_python_cannot_compute_is_named(function: Callable[..., An
         graph_of(function, a=(2, 2))
 
 
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda q, v: q + v,
+        lambda q, v: 2 * q - v / 3,
+        lambda q, v: q @ v,
+        lambda q, v: np.outer(q, v)[1:] @ np.array([1.0, 2.0, 3.0]),
+        lambda q, v: (q * v).sum() + len(q),
+        lambda q, v: [*q, *v[::-1]],
+    ],
+)
+def test_inputs_are_arrays_in_the_function_too(function: Callable[..., Any], backend: Any) -> None:
+    q, v = np.array([[0.3, -2.0, 5.0], [1.5, 0.25, -7.0]])
+    assert_close(compile(function, backend=backend, q=3, v=3)(q, v), function(q, v), 1e-14)
+
+
 def test_errors_of_a_users_own_stay_as_they_are() -> None:
     with pytest.raises(TypeError, match="can only concatenate list"):
-        graph_of(lambda x: x + 1, x=3)
+        graph_of(lambda x: [*x] + 1, x=3)
 
 
 def known(x: Any) -> Any:

@@ -41,7 +41,7 @@ FUNCTIONS: dict[str, tuple[Callable[..., Any], str]] = {
     "bias_forces": (definitions.bias_forces, "q v"),
     "gravity_forces": (definitions.gravity_forces, "q"),
     "coriolis_matrix": (definitions.coriolis_matrix, "q v"),
-    "mass_matrix": (definitions.mass, "q"),
+    "mass_matrix": (definitions.mass_matrix, "q"),
     "kinetic_energy": (definitions.kinetic_energy, "q v"),
     "potential_energy": (definitions.potential_energy, "q"),
 }
@@ -246,7 +246,7 @@ def test_accelerations_under_a_heavy_or_light_hand_give_back_their_torques(name:
     given, machine = states(ours), lean(ours)
     a = values(definitions.forward_dynamics, machine, given, "q v tau")
     back = values(definitions.inverse_dynamics, ours.machine, {**given, "a": a}, "q v a")
-    pushed = np.abs(values(definitions.mass, ours.machine, given, "q").reshape(ours.nv, ours.nv, -1))
+    pushed = np.abs(values(definitions.mass_matrix, ours.machine, given, "q").reshape(ours.nv, ours.nv, -1))
     size = np.einsum("jkn,kn->jn", pushed, np.abs(a)).max(axis=0)
     assert np.all(np.abs(back - given["tau"]).max(axis=0) <= 1e-11 * (size + 1.0 + 9.81 * scale))
 

@@ -16,7 +16,7 @@ from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics.elastic_inverse import DEFAULT, ElasticMotion
+from cutpoint.mechanics.elastic_inverse import ElasticMotion
 from cutpoint.model import Drive
 from cutpoint.robot import ElasticTorques, Robot
 
@@ -133,8 +133,8 @@ def _made(structure: _Structure) -> Kernels:
 def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
     """The motors' state and torques for a motion at constant speed.  derivatives: number that the machine needs."""
     still = [0] * len(v)
-    higher = {f"derivative_{k}": still for k in range(5, derivatives + 1)}
-    return definitions.elastic_inverse_dynamics(machine, DEFAULT, q, v, still, still, still, **higher)
+    higher: dict[str, Any] = {f"derivative_{k}": still for k in range(5, derivatives + 1)}
+    return definitions.elastic_inverse_dynamics(machine, q, v, still, still, still, **higher)
 
 
 def without_friction(machine: Machine) -> Machine:

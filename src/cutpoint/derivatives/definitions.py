@@ -63,14 +63,14 @@ def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> Forwar
     That takes three fifths of the operations of the differentiated recursion on the paper's arm, four fifths on UR10,
     and half on Panda.
     """
-    M, bias = factors_of(definitions.mass(m, q)), definitions.bias_forces(m, q, v)
+    M, bias = factors_of(definitions.mass_matrix(m, q)), definitions.bias_forces(m, q, v)
     a = solve(M, [t - b for t, b in zip(tau, bias, strict=True)])
     d_q, d_v, _ = inverse_dynamics(m, q, v, a)
     unit = _unit(m.system.nv)
     return ForwardDynamicsDerivatives(_solved(M, _negated(d_q)), _solved(M, _negated(d_v)), _solved(M, unit))
 
 
-def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: Scalars) -> Any:
+def elastic_inverse_dynamics(m: Machine, q: Scalars, *, options: Options, **rates: Scalars) -> Any:
     """d motor_torque / d (q and each of the rates), named d_motor_torque_d_q and so on.
 
     From inverse dynamics' derivatives with their rates along the motion, on Panda in three quarters of the operations
@@ -79,7 +79,7 @@ def elastic_inverse_dynamics(m: Machine, options: Options, q: Scalars, **rates: 
     """
     if torque_derivatives.suits(m.system) and not m.system.has_sprung_rotors:
         return ElasticInverseDynamicsDerivatives(*_through_springs(m, options, q, *rates.values()))
-    function = partial(definitions.elastic_inverse_dynamics, m, options)
+    function = partial(definitions.elastic_inverse_dynamics, m, options=options)
     return _with_tangents(m, q, jacobian_of(function, of=["motor_torque"])(q=q, **rates))
 
 
@@ -120,7 +120,7 @@ def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
 def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot."""
     (q, v, *motors), nv, n, links = state, m.system.nv, len(m.drives), [d.v for d in m.drives]
-    M, tau = factors_of(definitions.mass(m, q)), [0 - b for b in definitions.bias_forces(m, q, v)]
+    M, tau = factors_of(definitions.mass_matrix(m, q)), [0 - b for b in definitions.bias_forces(m, q, v)]
     for d, at, torque in zip(m.drives, drive_states(m.drives, q, v, *motors[:2]), motors[2], strict=True):
         tau[d.v] = tau[d.v] + drive_effort(d.drive, at, torque, UNKNOWN).on_link
     d_q, d_v, _ = inverse_dynamics(m, q, v, solve(M, tau))

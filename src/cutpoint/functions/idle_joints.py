@@ -81,7 +81,7 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
     """
     system = machine.system
     q, names = at_random(mechanism, system, rng, ()), _names(mechanism, system)
-    M, most = (np.array(definitions.mass(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
+    M, most = (np.array(definitions.mass_matrix(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
     M = M if follow else without_rotors(machine, M, rotor_coupling(machine, q))
     scale = np.sqrt(np.diag(most))
     scale[scale == 0.0] = 1.0

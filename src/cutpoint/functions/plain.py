@@ -1,7 +1,6 @@
 """Functions of a robot in their most common form: by name only, without variants."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 from weakref import WeakMethod
@@ -9,7 +8,6 @@ from weakref import WeakMethod
 from cutpoint import definitions
 from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.mechanics.drive_regressor import DriveRegressor
-from cutpoint.mechanics.elastic_inverse import DEFAULT
 
 Function = Callable[..., Any]
 
@@ -26,11 +24,11 @@ class Plain(NamedTuple):
 PLAIN: Mapping[str, Plain] = MappingProxyType({
     "inverse_dynamics": Plain(definitions.inverse_dynamics, "q v a"),
     "forward_dynamics": Plain(definitions.forward_dynamics, "q v tau"),
-    "mass_matrix": Plain(definitions.mass, "q"),
+    "mass_matrix": Plain(definitions.mass_matrix, "q"),
     "bias_forces": Plain(definitions.bias_forces, "q v"),
     "gravity_forces": Plain(definitions.gravity_forces, "q"),
     "coriolis_matrix": Plain(definitions.coriolis_matrix, "q v"),
-    "regressor": Plain(definitions.torque_regressor, "q v a"),
+    "regressor": Plain(definitions.regressor, "q v a"),
     "velocity_map": Plain(definitions.velocity_map, "q"),
     "kinetic_energy": Plain(definitions.kinetic_energy, "q v"),
     "potential_energy": Plain(definitions.potential_energy, "q"),
@@ -40,7 +38,7 @@ PLAIN: Mapping[str, Plain] = MappingProxyType({
     "difference": Plain(definitions.difference, "q q_next"),
     "coordinate_rates": Plain(definitions.coordinate_rates, "q v"),
     "elastic_inverse_dynamics": Plain(
-        partial(definitions.elastic_inverse_dynamics, options=DEFAULT), "q v a jerk snap", True, ElasticTorques
+        definitions.elastic_inverse_dynamics, "q v a jerk snap", True, ElasticTorques
     ),
     "elastic_forward_dynamics": Plain(
         definitions.elastic_forward_dynamics, "q v theta theta_dot motor_torque", True, ElasticAccelerations

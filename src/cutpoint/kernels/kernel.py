@@ -28,9 +28,10 @@ def compile(
 ) -> "Kernel":
     """Compiles a function of scalars into a kernel of arrays.
 
-    The function is called once, by keyword, with traced scalars: a scalar for an input of shape (), a list for an int,
-    nested lists for a tuple of lengths.  It returns a scalar, a (nested) list of scalars, or a dataclass or NamedTuple
-    of them, whose fields become the kernel's outputs; ints and floats may stand anywhere.
+    The function is called once, by keyword, with traced scalars: a scalar for an input of shape (), a NumPy array of
+    them for any other, so that q[0], q + v and M @ q all work.  It returns a scalar, an array or (nested) list of
+    scalars, or a dataclass or NamedTuple of them, whose fields become the kernel's outputs; ints and floats may stand
+    anywhere.
 
     Args:
         name: what errors call the kernel; the function's own name if not given.

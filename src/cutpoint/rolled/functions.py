@@ -75,6 +75,8 @@ def _is_large_for(key: Any, system: System, backend: str) -> bool:
     recipe = RECIPES.get(asked) or RECIPES.get(name_of(key))
     if recipe is None or backends.chosen(backend) != "llvm":
         return False
+    if frame is not None and 7 * system.nv > backends.MOST_NUMBERS:  # a Jacobian and q
+        return True
     return size_of(system, frame) > recipe.above or sum(system.depths) > recipe.pairs
 
 

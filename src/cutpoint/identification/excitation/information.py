@@ -123,7 +123,7 @@ def _gram(W: Array) -> Array:
 
 
 def _columns(m: definitions.Machine, chosen: NDArray[np.intp], **motion: Any) -> list[list[Any]]:
-    return [[row[k] for k in chosen] for row in definitions.torque_regressor(m, **motion)]
+    return [[row[k] for k in chosen] for row in definitions.regressor(m, **motion)]
 
 
 def _scales(robot: Robot, bounds: Bounds) -> Scales:

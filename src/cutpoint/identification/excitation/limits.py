@@ -124,7 +124,7 @@ def _box(robot: Robot, frame: str, box: Box) -> Limit:
 
 
 def _motor_torque(m: definitions.Machine, which: NDArray[np.intp], **motion: Any) -> list[Any]:
-    torques = definitions.elastic_inverse_dynamics(m, Options(friction_rates=False, quasi_rigid=True), **motion)
+    torques = definitions.elastic_inverse_dynamics(m, **motion, options=Options(friction_rates=False, quasi_rigid=True))
     return [torques.motor_torque[k] for k in which]
 
 

@@ -67,10 +67,10 @@ class Blocks:
         """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row pads the last block.
 
         Raises:
-            InputError: there are no rows, or they hold masked entries or non-numbers.
+            InputError: a single number, masked entries or non-numbers.
         """
         array = self._numbers("rows", rows)
-        if not array.ndim or not len(array):
+        if not array.ndim:
             raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
         blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._wide.precision)
         full = len(array) // self.width

@@ -4,6 +4,7 @@ import math
 import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -37,8 +38,11 @@ def port(name: str, shape: int | Sequence[int]) -> Port:
 
 
 def nest(numbers: Iterator[Any], shape: Shape) -> Any:
-    """The next numbers as a scalar, a list, or nested lists of a shape."""
-    return [nest(numbers, shape[1:]) for _ in range(shape[0])] if shape else next(numbers)
+    """The next numbers as a scalar, or as an array of a shape whose entries are objects."""
+    if not shape:
+        return next(numbers)
+    size = math.prod(shape)
+    return np.fromiter(islice(numbers, size), object, size).reshape(shape)
 
 
 def flatten(value: Any) -> tuple[Shape, list[Any]]:
