@@ -7,10 +7,10 @@ import cutpoint
 
 PACKAGE = """
     Backlash CatalogueSpring Coulomb CutpointError Drive ElastoPlastic Flexspline Grease Harmonic HarmonicSpring
-    InputError Kernel KinematicError Limits LinearSpring Log LuGre MaxwellSlip ModelError Motor Ratings Robot
-    Rotor Sensors SimulationError Sliding State Stribeck TraceError WaveGenerator absolute analysis atan clip compile
-    control cos derivatives exp export formats identification load log maximum minimum robots simulate simulate_many
-    simulation sin sqrt tan tanh trajectories where
+    InputError Kernel KinematicError Limits LinearSpring Log LuGre MaxwellSlip ModelError Motor Ratings Robot Rotor
+    Sensors SimulationError Sliding State Stribeck TraceError WaveGenerator absolute acos analysis asin atan atan2
+    clip compile control cos derivatives exp export formats identification load log maximum minimum robots simulate
+    simulate_many simulation sin sqrt tan tanh trajectories where
 """
 
 ROBOT = """

@@ -20,7 +20,24 @@ from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.drives.wave_generator import HarmonicSpring, WaveGenerator
 from cutpoint.model import Drive, Harmonic, Limits, Motor, Ratings, Rotor
 from cutpoint.robot import Robot
-from cutpoint.scalars import absolute, atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
+from cutpoint.scalars import (
+    absolute,
+    acos,
+    asin,
+    atan,
+    atan2,
+    clip,
+    cos,
+    exp,
+    log,
+    maximum,
+    minimum,
+    sin,
+    sqrt,
+    tan,
+    tanh,
+    where,
+)
 from cutpoint.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -40,11 +57,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Backlash", "CatalogueSpring", "Coulomb", "CutpointError", "Drive", "ElastoPlastic", "Flexspline", "Grease",
-    "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log",
-    "LuGre", "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError",
-    "Sliding", "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "analysis", "atan", "clip", "compile",
-    "control", "cos", "derivatives", "exp", "export", "formats", "identification", "load", "log", "maximum", "minimum",
-    "robots", "simulate", "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh", "trajectories", "where",
+    "Harmonic", "HarmonicSpring", "InputError", "Kernel", "KinematicError", "Limits", "LinearSpring", "Log", "LuGre",
+    "MaxwellSlip", "ModelError", "Motor", "Ratings", "Robot", "Rotor", "Sensors", "SimulationError", "Sliding",
+    "State", "Stribeck", "TraceError", "WaveGenerator", "absolute", "acos", "analysis", "asin", "atan", "atan2",
+    "clip", "compile", "control", "cos", "derivatives", "exp", "export", "formats", "identification", "load", "log",
+    "maximum", "minimum", "robots", "simulate", "simulate_many", "simulation", "sin", "sqrt", "tan", "tanh",
+    "trajectories", "where",
 ]  # fmt: skip
 
 _SUBPACKAGES = (

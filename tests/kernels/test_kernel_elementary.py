@@ -1,6 +1,7 @@
 """Elementary functions in machine code against 40 digits."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ QUARTERS = np.arange(1, 63_000, 997) * (math.pi / 2)
 ANGLES = np.concatenate(
     [RNG.uniform(-4, 4, 150), RNG.uniform(-1e5, 1e5, 150), magnitudes(-310, 5), QUARTERS, np.nextafter(QUARTERS, 0)]
 )
+SINES = np.concatenate([RNG.uniform(-1, 1, 150), magnitudes(-300, 0), both_signs(1 - 10.0 ** -np.arange(1, 16))])
 DOMAINS: dict[str, tuple[float, np.ndarray]] = {
     "sin": (2, ANGLES),
     "cos": (2, ANGLES),
@@ -35,6 +37,14 @@ DOMAINS: dict[str, tuple[float, np.ndarray]] = {
     "log": (1.5, np.concatenate([RNG.uniform(0.4, 2.5, 150), abs(magnitudes(-307, 308)), [5e-324, 1e-310, 1e308]])),
     "tanh": (4, np.concatenate([RNG.uniform(-1, 1, 150), RNG.uniform(-25, 25, 80), magnitudes(-310, 2)])),
     "atan": (2, np.concatenate([RNG.uniform(-3, 3, 150), magnitudes(-310, 308)])),
+    "asin": (
+        3,
+        np.concatenate([RNG.uniform(-1, 1, 150), magnitudes(-300, 0), both_signs(1 - 10.0 ** -np.arange(1, 16))]),
+    ),
+    "acos": (
+        3,
+        np.concatenate([RNG.uniform(-1, 1, 150), magnitudes(-300, 0), both_signs(1 - 10.0 ** -np.arange(1, 16))]),
+    ),
 }
 
 
@@ -64,6 +74,8 @@ LIMITS: dict[str, list[tuple[float, float]]] = {
     "log": [(1, 0), (0, -INF), (INF, INF), (-1, NAN), (-INF, NAN)],
     "tanh": [(0, 0), (INF, 1), (-INF, -1), (1e300, 1), (-1e300, -1)],
     "atan": [(0, 0), (INF, math.pi / 2), (-INF, -math.pi / 2), (1e300, math.pi / 2)],
+    "asin": [(0, 0), (1, math.pi / 2), (-1, -math.pi / 2), (1.5, NAN), (INF, NAN)],
+    "acos": [(1, 0), (-1, math.pi), (0, math.pi / 2), (-1.5, NAN), (-INF, NAN)],
 }
 
 
@@ -100,3 +112,15 @@ def test_a_bound_hands_on_what_is_not_a_number(function: str) -> None:
 def test_sine_and_cosine_share_their_reduction() -> None:
     both = compile(lambda x: [scalars.sin(x), scalars.cos(x)], x=(), backend="llvm")
     assert sum(lower(both.graph).operations.values()) < 1.4 * sum(lower(kernel("sin").graph).operations.values())
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_atan2_is_the_angle_of_a_point_in_every_quadrant(backend: Any) -> None:
+    sizes = [0.0, 5e-324, 1e-300, 0.3, 1.0, 2.5, 1e300]
+    axis = np.array([*sizes, *(-x for x in sizes[1:])])
+    y, x = (each.ravel() for each in np.meshgrid(axis, axis))
+    points = compile(cutpoint.atan2, y=(), x=(), backend=backend)
+    np.testing.assert_allclose(points(y, x), np.arctan2(y, x), rtol=1e-15, atol=0)
+    np.testing.assert_allclose(cutpoint.atan2(y, x), np.arctan2(y, x), rtol=1e-15, atol=0)
+    assert np.isnan([points(NAN, 1.0), points(1.0, NAN), points(NAN, -0.0)]).all()
+    assert points(2.0, INF) == 0 and points(INF, -3.0) == math.pi / 2

@@ -16,7 +16,7 @@ from cutpoint.errors import InputError
 from cutpoint.scalars import Jet
 from robot_library import Array, Robot, assert_close, derivative, robot, tree, vectors
 
-FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "atan")
+FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "tanh", "sqrt", "atan", "asin", "acos")
 TIME = sympy.Symbol("t")
 PATH = sympy.Rational(7, 10) + TIME / 3 - TIME**2 / 5 + TIME**3 / 7 + TIME**4 / 11
 OTHER = sympy.Rational(3, 2) - TIME / 2 + TIME**2 / 3 + TIME**3 / 5 - TIME**4 / 13

@@ -4,7 +4,10 @@ from cutpoint.scalars.angle import Angle
 from cutpoint.scalars.functions import (
     Scalar,
     absolute,
+    acos,
+    asin,
     atan,
+    atan2,
     clip,
     cos,
     exp,
@@ -32,7 +35,7 @@ from cutpoint.scalars.records import (
 )
 
 __all__ = [
-    "Angle", "Jet", "Scalar", "absolute", "atan", "clip", "constants", "cos", "exp", "is_of_cutpoint", "is_plain_zero",
-    "keys_of", "known_truth", "leaves", "log", "map_leaves", "maximum", "minimum", "rate_of", "rebuild", "sin", "sqrt",
-    "structure_of", "tan", "tanh", "value_of", "where", "with_float_leaves",
+    "Angle", "Jet", "Scalar", "absolute", "acos", "asin", "atan", "atan2", "clip", "constants", "cos", "exp",
+    "is_of_cutpoint", "is_plain_zero", "keys_of", "known_truth", "leaves", "log", "map_leaves", "maximum", "minimum",
+    "rate_of", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "value_of", "where", "with_float_leaves",
 ]  # fmt: skip

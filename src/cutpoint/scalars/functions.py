@@ -58,6 +58,27 @@ def atan(x: Scalar) -> Scalar:
     return _apply("atan", x)
 
 
+def atan2(y: Scalar, x: Scalar) -> Scalar:
+    """Angle, rad, of the point (x, y) from the x axis, above -pi and up to pi; 0 at the origin."""
+    if any(type(n).__module__.partition(".")[0] == "sympy" for n in (y, x)):
+        return sys.modules["sympy"].atan2(y, x)
+    is_steep = absolute(x) < absolute(y)
+    along, across = where(is_steep, y, x), where(is_steep, x, y)
+    angle = atan(across / where(absolute(along) <= 0, 1, along))
+    flat = where(x < 0, angle + where(y < 0, -math.pi, math.pi), angle)
+    return where(is_steep, where(y < 0, -math.pi / 2, math.pi / 2) - angle, flat)
+
+
+def asin(x: Scalar) -> Scalar:
+    """Angle, rad, whose sine is x."""
+    return atan2(x, sqrt((1 - x) * (1 + x)))
+
+
+def acos(x: Scalar) -> Scalar:
+    """Angle, rad, whose cosine is x."""
+    return atan2(sqrt((1 - x) * (1 + x)), x)
+
+
 def exp(x: Scalar) -> Scalar:
     """e to the power x."""
     return _apply("exp", x)

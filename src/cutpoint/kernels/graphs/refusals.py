@@ -9,9 +9,13 @@ from cutpoint.callers import user_place
 from cutpoint.errors import TraceError
 
 _OURS = {
-    "sin", "cos", "tan", "atan", "exp", "log", "tanh", "sqrt", "absolute", "maximum", "minimum", "clip", "where"
+    "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "tanh", "sqrt", "absolute", "maximum",
+    "minimum", "clip", "where",
 }  # fmt: skip
-_RENAMED = {"arctan": "atan", "fabs": "absolute", "fmax": "maximum", "fmin": "minimum"}
+_RENAMED = {
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "fabs": "absolute", "fmax": "maximum",
+    "fmin": "minimum",
+}  # fmt: skip
 
 
 class _Told(threading.local):

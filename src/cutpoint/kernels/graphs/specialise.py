@@ -12,6 +12,8 @@ from cutpoint.kernels.graphs.ports import Port, flatten, named_parts, nest, port
 from cutpoint.kernels.graphs.refusals import as_float
 from cutpoint.kernels.graphs.tracing import Operand, Traced, tracing
 
+SEVERAL = "several outputs are the fields of a NamedTuple or dataclass"
+
 
 def graph_of(function: Callable[..., Any], /, **inputs: int | tuple[int, ...]) -> Graph:
     """The graph of a function, without compiling it.  Inputs as in `compile`."""
@@ -76,7 +78,7 @@ def _flat(function: Callable[..., Any], name: str, value: Any) -> tuple[tuple[in
     try:
         return flatten(value)
     except ValueError as error:
-        raise TraceError(f"{name_of(function)}: output {name!r} is ragged: {error}") from None
+        raise TraceError(f"{name_of(function)}: output {name!r} is ragged: {error}; {SEVERAL}") from None
 
 
 def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Operand:
@@ -86,4 +88,5 @@ def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Op
     if isinstance(x, Real):
         return as_float(x)
     what = "a number of another trace" if isinstance(x, Traced) else f"a {type(x).__name__}"
-    raise TraceError(f"{name_of(function)}: output {name!r} holds {what}; it must hold traced numbers, ints and floats")
+    rule = "it must hold traced numbers, ints and floats" + (f"; {SEVERAL}" if isinstance(x, dict) else "")
+    raise TraceError(f"{name_of(function)}: output {name!r} holds {what}; {rule}")
