@@ -119,10 +119,11 @@ def number(function: str, name: str, value: Any, unit: str = "") -> float:
 
 
 def positive(function: str, name: str, value: Any, unit: str = "") -> float:
-    """The argument as a float above zero.  Raises InputError for anything else."""
+    """The argument as a float above zero, not beyond LARGEST.  Raises InputError for anything else."""
     found = number(function, name, value, unit)
-    if not (np.isfinite(found) and found > 0):
-        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and finite", name=name)
+    if not 0 < found <= LARGEST:
+        rule = f"within {LARGEST:g}" if found > 0 and np.isfinite(found) else "finite"
+        raise InputError(f"{function}: {name} {found}{unit and f' {unit}'} must be positive and {rule}", name=name)
     return found
 
 

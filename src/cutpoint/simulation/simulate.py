@@ -11,7 +11,7 @@ from cutpoint.control.interface import Control, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
-from cutpoint.door import check_kind, whole
+from cutpoint.door import check_choice, check_kind, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import A_ROBOT, Robot
@@ -121,8 +121,7 @@ def simulate(
 
 def _accuracy_of(accuracy: Accuracy, hold: bool) -> Accuracy:
     """The accuracy that a run has.  Raises InputError for one that is unknown, or that a run has not without hold."""
-    if accuracy not in get_args(Accuracy):
-        raise InputError(f"simulate: accuracy {accuracy!r} must be 'standard', 'fine' or 'reference'")
+    check_choice("simulate", "accuracy", accuracy, get_args(Accuracy))
     if hold:
         return accuracy
     if accuracy == "fine":

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from cutpoint.door import as_numbers, channels, positive, turns_per_turn
+from cutpoint.door import as_numbers, channels, number, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
@@ -118,9 +118,9 @@ def motor_side(
     angle, load, drive = channels("motor_side", theta=theta, joint_torque=joint_torque, effort=effort)
     if not np.nanmax(angle) > np.nanmin(angle):
         raise InputError("motor_side: theta never changes: was it measured?")
-    band = noise_cutoff(load, period) if cutoff is None else cutoff
+    band = noise_cutoff(load, period) if cutoff is None else positive("motor_side", "cutoff", cutoff, "Hz")
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
-    drive = drive if delay is None else late(drive, period, delay)
+    drive = drive if delay is None else late(drive, period, number("motor_side", "delay", delay, "s"))
     fixed = _terms(angle, drive, period, with_delay=delay is None)
     borne, target = as_numbers("motor_side", "transmission", transmission) * load, -drive
     if current is None:

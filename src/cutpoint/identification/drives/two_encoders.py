@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import channels, positive, turns_per_turn
+from cutpoint.door import channels, number, positive, turns_per_turn
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
@@ -144,7 +144,9 @@ def _known(arrays: Sequence[Array]) -> tuple[NDArray[np.bool_], list[Array]]:
 
 def _resolution(angle: Array, link: Array, resolution: float | None) -> float:
     """Resolution of both encoders together, rad: as stated, or from the samples."""
-    step = float(np.hypot(smallest_step(angle), smallest_step(link))) if resolution is None else float(resolution)
+    if resolution is None:
+        return float(np.hypot(smallest_step(angle), smallest_step(link)))
+    step = number("two_encoders", "resolution", resolution, "rad")
     if not (np.isfinite(step) and step >= 0.0):
         raise InputError(f"two_encoders: resolution {resolution} rad must be a number, at least 0")
     return step
