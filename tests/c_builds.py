@@ -11,7 +11,7 @@ import numpy as np
 
 from cutpoint.kernels import Graph
 
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off")
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wdouble-promotion", "-Werror", "-ffp-contract=off")
 
 
 def compilers() -> list[str]:

@@ -133,8 +133,9 @@ def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cu
     header = (tmp_path / "feed.h").read_text()
     assert "in   jerk: 6, rad/s3 (m/s3): joint1, joint2, joint3, joint4, joint5, joint6" in header
     assert "out  motor_torque: 6, N m (N): joint1" in header and "/* joint3 compliance stiffness */" in header
-    numbers = re.findall(r"^  \(?(\S+?)\)?, /\*", header, re.MULTILINE)
-    values = [float(x.lower().replace("infinity", "inf")) if "INF" in x else float.fromhex(x) for x in numbers]
+    numbers = re.findall(r"^  (\S+), /\*", header, re.MULTILINE)
+    plain = [x.replace("(double)", "").strip("()").lower() for x in numbers]
+    values = [float(x) if "inf" in x else float.fromhex(x) for x in plain]
     assert values == arm.drive_parameters.tolist()
 
 

@@ -161,5 +161,5 @@ def test_strains_by_position_are_refused_where_they_would_be_taken_for_a_derivat
 def test_options_are_true_or_false(option: str, value: Any) -> None:
     arm = robot("xia2019")
     for call in (arm.elastic_inverse_dynamics, partial(derivatives.elastic_inverse_dynamics, arm)):
-        with pytest.raises(InputError, match=f"^elastic_inverse_dynamics: {option} must be True or False, got "):
+        with pytest.raises(InputError, match=rf"elastic_inverse_dynamics: {option} must be True or False, got "):
             call(Z, Z, Z, Z, Z, **{option: value})

@@ -131,8 +131,8 @@ MUTANTS = {
     ),
     "missing 1/l of a torque": Mutant(
         Robot._across_gear,
-        "ratio**-direction",
-        "ratio**direction",
+        "gear.size) / gear",
+        "gear.size) * gear",
         paper.test_equation,
         {"number": "(21)", "seed": 0},
     ),

@@ -84,9 +84,9 @@ def test_the_report_tells_what_the_numbers_say(folder, results):
 
 @pytest.fixture(scope="module")
 def stiff(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """At twice the usual bandwidth: more than computed torque can hold."""
+    """At nearly twice the usual bandwidth: more than computed torque can hold."""
     folder = tmp_path_factory.mktemp("stiff")
-    run(folder, bench_of(ARM, bandwidth=8.0), laws=("computed",), scenarios=("fast",), progress=False)
+    run(folder, bench_of(ARM, bandwidth=7.5), laws=("computed",), scenarios=("fast",), progress=False)
     return json.loads((folder / "results.json").read_text(encoding="utf-8")), folder
 
 
@@ -94,7 +94,7 @@ def test_a_law_that_does_not_hold_is_told_and_runs_elsewhere_and_is_not_ranked(s
     results, folder = stiff
     law = results["comparison"]["laws"]["computed"]
     assert "does not hold at this pose" in law["refused"] and law["runs"]
-    assert law["bandwidth"] < 8 and law["share"] < 0.99
+    assert law["bandwidth"] < 7.5 and law["share"] < 0.99
     fast = results["comparison"]["scenarios"]["fast"]
     assert fast["laws"]["computed"]["worst"]["rms"] < fast["laws"]["pd"]["worst"]["rms"] and fast["best"] == "pd"
     assert "computed torque is refused at equal stiffness" in (folder / "index.html").read_text(encoding="utf-8")

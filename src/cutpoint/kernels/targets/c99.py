@@ -100,7 +100,10 @@ def words(precision: Precision) -> dict[str, Any]:
 def number(x: float, precision: Precision) -> str:
     """A float as a C99 constant: hexadecimal, so no digit is lost; in parentheses where it has a sign."""
     x = precision.rounded(x)
-    text = "NAN" if math.isnan(x) else "INFINITY" if math.isinf(x) else f"{abs(x).hex()}{precision.suffix}"
+    if math.isfinite(x):
+        text = f"{abs(x).hex()}{precision.suffix}"
+    else:  # C's macros are floats
+        text = f"({precision.c}){'NAN' if math.isnan(x) else 'INFINITY'}"
     return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
 
 
