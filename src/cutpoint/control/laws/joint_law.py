@@ -49,7 +49,8 @@ class JointCommand(NamedTuple):
 def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, speed_gain: Scalar) -> Scalar:
     """tau_r: torque on the link, friction for the required speed and feedback of the speed, N m.  Xia (2019) eq. (26).
 
-    tau: this joint's torque for the required motion of all links.  Friction enters by value, without derivatives.
+    tau: this joint's torque for the required motion of all links.  Friction enters by value, without derivatives, and
+    in the required direction: printed at the actual speed, it would not damp.
     """
     return tau + speed_gain * (v_r - v) + required_friction(drive.link_friction, value_of(v_r), value_of(v))
 
