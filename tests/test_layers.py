@@ -19,7 +19,7 @@ LAYERS = """
     robot
     control derivatives loading robots
     simulation
-    analysis identification export_notes
+    analysis identification
     export studies
     face
     commands

@@ -8,7 +8,7 @@ from cutpoint.analysis.plant import Plant, plant_of
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
-from cutpoint.functions.special_robots import check_quaternions, quaternions_of
+from cutpoint.functions.quaternions import check_quaternions, quaternions_of
 from cutpoint.robot import Robot, check_robot
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import compiled_of
-from cutpoint.functions.special_robots import check_quaternions
+from cutpoint.functions.quaternions import check_quaternions
 from cutpoint.kernels.arrays.arguments import common_batch
 from cutpoint.mechanics import elastic_forward
 from cutpoint.mechanics.kinematics import coordinate_rates

@@ -16,9 +16,10 @@ from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError, those_that_exist
 from cutpoint.functions.idle_joints import check_moves_inertia
+from cutpoint.functions.motionless import MATRICES, with_empty_matrices
 from cutpoint.functions.plain import Functions
+from cutpoint.functions.quaternions import quaternions_of, with_quaternions
 from cutpoint.functions.robot_function import RobotFunction
-from cutpoint.functions.special_robots import MATRICES, quaternions_of, with_empty_matrices, with_quaternions
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
 from cutpoint.mechanics.assembly.reframing import Framing

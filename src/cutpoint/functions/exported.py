@@ -6,7 +6,7 @@ RESULTS = {
     "velocity_map": "J", "kinetic_energy": "energy", "potential_energy": "energy", "momentum": "h",
     "power_flows": "power", "integrate": "q_next", "difference": "v", "coordinate_rates": "q_dot",
     "elastic_inverse_dynamics": "", "elastic_forward_dynamics": "", "elastic_energy": "energy",
-    "drive_torque": "torque", "static_deflection": "deflection", "friction_torques": "torque",
+    "drive_torque": "torque", "drive_regressor": "", "static_deflection": "deflection", "friction_torques": "torque",
     "inverse_dynamics_derivatives": "", "forward_dynamics_derivatives": "",
     "elastic_inverse_dynamics_derivatives": "", "elastic_forward_dynamics_derivatives": "",
 }  # fmt: skip

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import compiled_of
-from cutpoint.functions.special_robots import check_quaternions
+from cutpoint.functions.quaternions import check_quaternions
 from cutpoint.mechanics.drives.strains import count, gathered
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, lengths

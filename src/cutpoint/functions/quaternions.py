@@ -1,4 +1,4 @@
-"""Wrappers of functions for special robots: with quaternions, or without any moving joint."""
+"""Quaternions among a robot's coordinates: where they are, and functions that refuse zero ones."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -17,13 +17,6 @@ Function = Callable[..., Any]
 
 SHORTEST = 1e-50
 """A quaternion with no number beyond it counts as zero: its length to the fourth, which derivatives divide by, is."""
-
-MATRICES = frozenset({
-    "mass_matrix", "coriolis_matrix", "regressor", "velocity_map", "drive_regressor",
-    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
-    "elastic_forward_dynamics_derivatives",
-})  # fmt: skip
-"""Functions whose outputs are matrices with no row if nothing moves."""
 
 
 def quaternions_of(mechanism: Mechanism, system: System) -> dict[str, slice]:
@@ -65,15 +58,3 @@ def with_quaternions(
 
     last = [own.stop - 1 for own in quaternions.values()]
     return looking(function, checked, name, [*places], last, nq, SHORTEST)
-
-
-def with_empty_matrices(function: Function) -> Function:
-    """The function of a robot without moving joints, whose kernel loses the columns of matrices without rows."""
-
-    def shaped(*given: Any) -> Any:
-        found = function(*given)
-        if isinstance(found, tuple):
-            return tuple.__new__(type(found), [x.reshape(*x.shape, 0) for x in found])
-        return found.reshape(*found.shape, 0)
-
-    return shaped

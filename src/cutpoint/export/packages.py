@@ -1,4 +1,4 @@
-"""Export: robots' functions and control laws as C99, equal to machine code to the last bit; functions as CUDA C too."""
+"""Packages of a robot's functions and of control laws, with the numbers, notes and checks that go with them."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ from cutpoint.control.interface import Control, start_of
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export_notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
+from cutpoint.export.notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.exported import RESULTS
 from cutpoint.kernels.graphs.precision import PRECISIONS

@@ -1,0 +1,25 @@
+"""Functions of robots without any moving joint."""
+
+from collections.abc import Callable
+from typing import Any
+
+Function = Callable[..., Any]
+
+MATRICES = frozenset({
+    "mass_matrix", "coriolis_matrix", "regressor", "velocity_map", "drive_regressor",
+    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
+    "elastic_forward_dynamics_derivatives",
+})  # fmt: skip
+"""Functions whose outputs are matrices with no row if nothing moves."""
+
+
+def with_empty_matrices(function: Function) -> Function:
+    """The function of a robot without moving joints, whose kernel loses the columns of matrices without rows."""
+
+    def shaped(*given: Any) -> Any:
+        found = function(*given)
+        if isinstance(found, tuple):
+            return tuple.__new__(type(found), [x.reshape(*x.shape, 0) for x in found])
+        return found.reshape(*found.shape, 0)
+
+    return shaped
