@@ -19,7 +19,7 @@ from cutpoint.mechanics.drive_regressor import DriveRegressor
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque, spring_torque, static_lead
 from cutpoint.mechanics.drives.strains import Strains, drive_by_drive
 from cutpoint.mechanics.elastic_forward import ElasticAccelerations
-from cutpoint.mechanics.elastic_inverse import DEFAULT, ElasticMotion, Options
+from cutpoint.mechanics.elastic_inverse import DEFAULT, ElasticTorques, Options
 from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
 from cutpoint.mechanics.system import Driven, System
 
@@ -121,7 +121,7 @@ def elastic_inverse_dynamics(
     *,
     options: Options = DEFAULT,
     **higher: Scalars,
-) -> ElasticMotion:
+) -> ElasticTorques[Scalars]:
     """Motor torques and motion for a motion, N m (N) and rad (m): see `mechanics.elastic_inverse`.
 
     higher: derivatives beyond, in rising order.
@@ -138,7 +138,7 @@ def elastic_forward_dynamics(
     theta_dot: Scalars,
     motor_torque: Scalars,
     strains: Scalars | None = None,
-) -> ElasticAccelerations:
+) -> ElasticAccelerations[Scalars]:
     """Accelerations of links and motors, rad/s2 (m/s2): see `mechanics.elastic_forward`."""
     state, held = (q, v, theta, theta_dot, motor_torque), _held(m, strains)
     return elastic_forward.elastic_forward_dynamics(m.system, m.drives, *state, strains=held)

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint import definitions, door
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
-from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.functions.compiled import RobotKernels
 from cutpoint.functions.plain import PLAIN, Functions
 from cutpoint.kernels import Kernel
@@ -19,7 +18,8 @@ from cutpoint.mechanics.bodies.spatial import ZERO, Pose
 from cutpoint.mechanics.drive_regressor import DriveRegressor, columns
 from cutpoint.mechanics.drives import strains as strains_of
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
-from cutpoint.mechanics.elastic_inverse import Options, derivatives_needed
+from cutpoint.mechanics.elastic_forward import ElasticAccelerations
+from cutpoint.mechanics.elastic_inverse import ElasticTorques, Options, derivatives_needed
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
@@ -322,7 +322,7 @@ class Robot:
         friction_rates: bool = False,
         quasi_rigid: bool = False,
         strains: ArrayLike | None = None,
-    ) -> ElasticTorques:
+    ) -> ElasticTorques[Array]:
         """Motor torques and motor motion of a motion of the links, exact.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
         It takes as many derivatives of the position as `derivatives_needed` says: four, and more where bending joints
@@ -370,7 +370,7 @@ class Robot:
         theta_dot: ArrayLike,
         motor_torque: ArrayLike,
         strains: ArrayLike | None = None,
-    ) -> ElasticAccelerations:
+    ) -> ElasticAccelerations[Array]:
         """Accelerations of links and motors under motor torques, friction included.  Spong (1987).
 
         strains: as in `elastic_inverse_dynamics`.

@@ -15,9 +15,10 @@ from cutpoint.kernels.programs.plan import plan
 from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.elastic_forward import ElasticAccelerations
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive import Harmonic, Rotor
-from cutpoint.robot import ElasticAccelerations, ElasticTorques
 from cutpoint.rolled import RECIPES, RolledFunction, rolled
 from cutpoint.rolled.bodies import columns_of
 from cutpoint.rolled.passes import one_by_one, side_by_side

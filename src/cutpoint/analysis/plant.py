@@ -16,9 +16,9 @@ from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.kernels import Kernel
-from cutpoint.mechanics.elastic_inverse import ElasticMotion
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model import Drive
-from cutpoint.robot import ElasticTorques, Robot
+from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 Scalars = list[Any]
@@ -31,7 +31,7 @@ class Plant(NamedTuple):
     of the state, by q along the directions of the speeds.
     """
 
-    steady: Callable[[Array, Array], ElasticTorques]
+    steady: Callable[[Array, Array], ElasticTorques[Array]]
     slopes: Callable[..., Slopes]
 
 
@@ -60,7 +60,7 @@ def _looped(robot: Robot) -> Plant:
 def _swept(robot: Robot) -> Plant:
     check_moves_inertia(robot.mechanism, robot.machine)
 
-    def steady(q: Array, v: Array) -> ElasticTorques:
+    def steady(q: Array, v: Array) -> ElasticTorques[Array]:
         found = steady_motion(robot.machine, robot.derivatives_needed, q.tolist(), v.tolist())
         return ElasticTorques(*(np.array(x, float) for x in found))
 
@@ -130,7 +130,7 @@ def _made(structure: _Structure) -> Kernels:
     )
 
 
-def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticMotion:
+def steady_motion(machine: Machine, derivatives: int, q: Scalars, v: Scalars) -> ElasticTorques[Scalars]:
     """The motors' state and torques for a motion at constant speed.  derivatives: number that the machine needs."""
     still = [0] * len(v)
     higher: dict[str, Any] = {f"derivative_{k}": still for k in range(5, derivatives + 1)}

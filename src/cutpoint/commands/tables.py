@@ -10,9 +10,10 @@ from rich.table import Table
 
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import efforts_in_force, limits_in_force
-from cutpoint.robot import ElasticTorques, Robot
+from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
     from cutpoint.analysis import Modes
@@ -87,7 +88,7 @@ def _also(drive: Drive, slides: bool) -> list[str]:
     return parts
 
 
-def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques) -> Table:
+def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[Array]) -> Table:
     """Torques of a motion, and each motor's lead."""
     title = "torques at the joint's side (N m; N on prismatic joints)"
     names = ["joint", "position", "gravity", "joint torque", "motor torque", "motor leads by"]

@@ -6,7 +6,7 @@ Derivatives with respect to q are along the tangent directions of `Robot.integra
 from collections import namedtuple
 from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from cutpoint import definitions
 from cutpoint.definitions import Machine, Scalars, transposed
@@ -22,6 +22,7 @@ from cutpoint.mechanics.torque_derivatives import along_motion
 from cutpoint.scalars import Jet, Scalar
 
 Matrix = list[Scalars]
+Rows = TypeVar("Rows")
 
 ElasticInverseDynamicsDerivatives = namedtuple(
     "ElasticInverseDynamicsDerivatives", [f"d_motor_torque_d_{x}" for x in ("q", "v", "a", "jerk", "snap")]
@@ -32,23 +33,23 @@ ElasticForwardDynamicsDerivatives = namedtuple(
 )
 
 
-class InverseDynamicsDerivatives(NamedTuple):
-    """d torque / d (q, v, a), a row for each torque."""
+class InverseDynamicsDerivatives(NamedTuple, Generic[Rows]):
+    """d torque / d (q, v, a), each (..., nv, nv) with a row for each torque; d_a is the mass matrix."""
 
-    d_q: Matrix
-    d_v: Matrix
-    d_a: Matrix
-
-
-class ForwardDynamicsDerivatives(NamedTuple):
-    """d a / d (q, v, tau), a row for each acceleration."""
-
-    d_q: Matrix
-    d_v: Matrix
-    d_tau: Matrix
+    d_q: Rows
+    d_v: Rows
+    d_a: Rows
 
 
-def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives:
+class ForwardDynamicsDerivatives(NamedTuple, Generic[Rows]):
+    """d a / d (q, v, tau), each (..., nv, nv) with a row for each acceleration; d_tau is the mass matrix' inverse."""
+
+    d_q: Rows
+    d_v: Rows
+    d_tau: Rows
+
+
+def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives[Matrix]:
     """By the analytic rules of the mechanics where they support the joints: in seven tenths of the operations of
     automatic differentiation on Panda, in as many on UR10."""
     if torque_derivatives.suits(m.system):
@@ -57,7 +58,7 @@ def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseD
     return InverseDynamicsDerivatives(_along_tangents(m, q, d_q), d_v, d_a)
 
 
-def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> ForwardDynamicsDerivatives:
+def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> ForwardDynamicsDerivatives[Matrix]:
     """From M d_a = d_tau - d(inverse dynamics at that a).  Carpentier and Mansard (2018).
 
     That takes three fifths of the operations of the differentiated recursion on the paper's arm, four fifths on UR10,

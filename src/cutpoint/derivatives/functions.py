@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, large, sweeps
+from cutpoint.derivatives.definitions import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from cutpoint.door import LARGEST, check_truths
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
@@ -27,22 +28,6 @@ MOST_COMPILED = 48
 MOST_LOOPED = 4000
 """Bodies of which derivatives run as loops: three matrices, 0.4 gigabytes in all, and as much to work in; to solve for
 accelerations takes some 3 gigabytes."""
-
-
-class InverseDynamicsDerivatives(NamedTuple):
-    """d torque / d (q, v, a), each (..., nv, nv) with a row for each torque; d_a is the mass matrix."""
-
-    d_q: Array
-    d_v: Array
-    d_a: Array
-
-
-class ForwardDynamicsDerivatives(NamedTuple):
-    """d a / d (q, v, tau), each (..., nv, nv) with a row for each acceleration; d_tau is the mass matrix' inverse."""
-
-    d_q: Array
-    d_v: Array
-    d_tau: Array
 
 
 class ElasticInverseDynamicsDerivatives(NamedTuple):
@@ -74,7 +59,7 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
     d_theta_ddot_d_motor_torque: Array
 
 
-def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives:
+def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives[Array]:
     """Derivatives of `Robot.inverse_dynamics`, the joint torques of a motion."""
     if made := _kernels_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
@@ -84,15 +69,15 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
     return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
 
 
-def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives:
+def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives[Array]:
     """Derivatives of `Robot.forward_dynamics`, the accelerations under joint torques."""
     if made := _kernels_of(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
-        rigid = _rigid_at(robot, "forward_dynamics", q, v, a)
+        d_q, d_v, M = _rigid_at(robot, "forward_dynamics", q, v, a)
         solver, position = _solver(robot), np.asarray(q, dtype=np.float64)
-        return ForwardDynamicsDerivatives(*large.forward_dynamics(position, *rigid, solver))
+        return ForwardDynamicsDerivatives(*large.forward_dynamics(position, d_q, d_v, M, solver))
     definition = definitions.forward_dynamics
     return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
 
@@ -135,10 +120,10 @@ def elastic_forward_dynamics(
         a = robot.elastic_forward_dynamics(**state).a
         function = _kernels_of(robot).function
         slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
-        rigid = _rigid_at(robot, name, q, v, a)
+        d_q, d_v, M = _rigid_at(robot, name, q, v, a)
         solver = _solver(robot)
         position = np.asarray(q, dtype=np.float64)
-        return record(*large.elastic_forward_dynamics(robot.machine.drives, position, *rigid, slopes, solver))
+        return record(*large.elastic_forward_dynamics(robot.machine.drives, position, d_q, d_v, M, slopes, solver))
     if sweeps.is_swept(robot):
         return record(*sweeps.elastic_forward_dynamics(robot, **state))
     return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
@@ -173,7 +158,7 @@ def elastic_loops(robot: Robot) -> bool:
     return _is_looped(robot) and not robot.machine.system.has_sprung_rotors
 
 
-def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives:
+def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives[Array]:
     """The derivatives of inverse dynamics at the accelerations that a function of this name computed."""
     _kernels_of(robot).remember_as_loops(f"{name}_derivatives")
     try:

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 from weakref import WeakMethod
 
 from cutpoint import definitions
-from cutpoint.functions.answers import ElasticAccelerations, ElasticTorques
 from cutpoint.mechanics.drive_regressor import DriveRegressor
+from cutpoint.mechanics.elastic_forward import ElasticAccelerations
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
 
 Function = Callable[..., Any]
 

@@ -5,7 +5,7 @@ All quantities at the joint's side.  Spong (1987); Xia (2019) eqs. (4)-(11), (21
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from cutpoint.mechanics.drives.harmonic_drive import (
     DriveState,
@@ -26,13 +26,14 @@ from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
+Entries = TypeVar("Entries")
 
 
-class ElasticAccelerations(NamedTuple):
-    """Accelerations of the links' coordinates (one per speed) and of the motors (one per drive)."""
+class ElasticAccelerations(NamedTuple, Generic[Entries]):
+    """Accelerations of the links' coordinates, one per speed, and of the motors, one per drive; rad/s2 (m/s2)."""
 
-    a: list[Any]
-    theta_ddot: list[Any]
+    a: Entries
+    theta_ddot: Entries
 
 
 class DriveEffort(NamedTuple):
@@ -84,7 +85,7 @@ def elastic_forward_dynamics(
     theta_dot: Scalars,
     motor_torque: Scalars,
     strains: Sequence[Strains] | None = None,
-) -> ElasticAccelerations:
+) -> ElasticAccelerations[list[Any]]:
     """Accelerations of links and motors under motor torques; for long trees in time linear in the number of bodies.
 
     Spong (1987); Xia (2019) eqs. (4)-(11), (21)-(22).  A rigid drive's motor moves with its link: its theta and
@@ -105,7 +106,7 @@ def driven_accelerations(
     theta_dot: Scalars,
     efforts: Sequence[DriveEffort],
     disturbance: Scalars | None = None,
-) -> ElasticAccelerations:
+) -> ElasticAccelerations[list[Any]]:
     """Accelerations of links and motors under their drives' torques.  disturbance: N m on the links, one per speed."""
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     inertia = [*system.armature]

@@ -7,7 +7,7 @@ all at the joint's side.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import Wrench
@@ -19,6 +19,7 @@ from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Jet, Scalar, value_of
 
 Scalars = Sequence[Scalar]
+Entries = TypeVar("Entries")
 
 
 @dataclass(frozen=True)
@@ -37,17 +38,17 @@ class Options:
 DEFAULT = Options()
 
 
-class ElasticMotion(NamedTuple):
-    """Motor torques and motor motion, one entry per drive; joint_torque has one per speed.
+class ElasticTorques(NamedTuple, Generic[Entries]):
+    """Motor torques and motion for a motion; at the joint's side, one entry per drive (joint_torque: per speed).
 
-    motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m): at the joint's side.
+    motor_torque (N m), theta (rad), theta_dot (rad/s), theta_ddot (rad/s2), joint_torque (N m).
     """
 
-    motor_torque: list[Any]
-    theta: list[Any]
-    theta_dot: list[Any]
-    theta_ddot: list[Any]
-    joint_torque: list[Any]
+    motor_torque: Entries
+    theta: Entries
+    theta_dot: Entries
+    theta_ddot: Entries
+    joint_torque: Entries
 
 
 def elastic_inverse_dynamics(
@@ -57,7 +58,7 @@ def elastic_inverse_dynamics(
     *rates: Scalars,
     options: Options = DEFAULT,
     strains: Sequence[Strains] | None = None,
-) -> ElasticMotion:
+) -> ElasticTorques[list[Any]]:
     """Motor torques and motor motion of a motion, exact in its derivatives.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
     rates: v, a, jerk, snap and, where a rotor with full coupling rides on a joint that bends, as many more as
@@ -98,7 +99,7 @@ def elastic_inverse_dynamics(
         if spin:
             torques[k] = torques[k] + value_of(spin.along(moved[spin.carrier].A.angular))
     theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
-    return ElasticMotion(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
+    return ElasticTorques(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
 
 def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:

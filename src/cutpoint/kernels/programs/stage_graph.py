@@ -3,6 +3,8 @@
 from collections.abc import Container, Sequence
 from typing import Any
 
+import numpy as np
+
 from cutpoint.errors import TraceError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.ports import Port
@@ -34,6 +36,6 @@ def _check_lists(stage: Stage, outputs: Sequence[Port], lists: Any) -> None:
     if not isinstance(lists, (list, tuple)) or len(lists) != len(outputs):
         raise TraceError(f"stage {stage_name} must return {len(outputs)} lists, for {', '.join(stage.writes)}")
     for port, one in zip(outputs, lists, strict=True):
-        found = len(one) if isinstance(one, (list, tuple)) else f"a {type(one).__name__}"
+        found = len(one) if isinstance(one, (list, tuple, np.ndarray)) else f"a {type(one).__name__}"
         if found != port.size:
             raise TraceError(f"stage {stage_name} returns {found} for region {port.name!r} of {port.size} slots")
