@@ -57,7 +57,7 @@ def gravity_forces(m: Machine, q: Scalars) -> Scalars:
 def coriolis_matrix(m: Machine, q: Scalars, v: Scalars) -> list[Scalars]:
     """C (nv, nv) of virtual decomposition: dM/dt - 2 C is skew.  Xia (2019) eq. (61)."""
     still, weight = [0] * m.system.nv, gravity_forces(m, q)
-    columns = []
+    columns: list[Scalars] = []
     for k in range(m.system.nv):
         unit = [int(j == k) for j in range(m.system.nv)]
         tau = required_inverse_dynamics(m.system, q, v, unit, still)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from inspect import signature
-from typing import Any
+from typing import Any, cast
 
 from cutpoint.control.gains import gains
 from cutpoint.control.interface import (
@@ -105,8 +105,8 @@ class Sum(Law):
         return (*map(start_of, self.parts), *([0.0] if self._reporters > 1 else []))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
-        memories, commands = [*memory], []
-        made = Command(0)
+        memories, made = [*memory], Command(0)
+        commands: list[Command] = []
         # the law that makes the motors' reference goes first, so that the others see it
         for k in sorted(range(len(self.parts)), key=lambda k: not makes_reference(self.parts[k])):
             memories[k], command = stepped(self.parts[k], memory[k], measurement, reference)
@@ -227,7 +227,7 @@ def _check_parameters(name: str, step: Callable[..., Any]) -> None:
 
 
 def _check_needs(name: str, needs: Any) -> None:
-    if not isinstance(needs, (tuple, list)) or any(x not in SENSED for x in needs):
+    if not isinstance(needs, (tuple, list)) or {*cast(Any, needs)} - {*SENSED}:
         rule = f"needs must be a tuple of names from {', '.join(SENSED)}"
         raise InputError(f"controller {name}: {rule}; it is {needs!r}", needs=needs)
 

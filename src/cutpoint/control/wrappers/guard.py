@@ -76,7 +76,7 @@ class Guard(Wrapper):
 
     robot: Robot
     law: Any
-    reactions: Any = field(default_factory=dict)
+    reactions: Any = field(default_factory=dict[str, str])
     ramp_time: Any = 0.2
     torque_limit: Any = None
     speed_limit: Any = None
