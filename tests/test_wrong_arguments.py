@@ -68,7 +68,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "modes": (analysis.modes, {"robot": ARM, "q": SIX}),
     "cycloid": (trajectories.cycloid, {"end": SIX, "duration": 1.0, "start": None}),
     "waypoints": (trajectories.waypoints, {"times": [0.0, 1.0, 2.0], "points": np.zeros((3, 6))}),
-    "samples": (trajectories.from_samples, {"t": TIME, "q": WAVE[:, None], "bandwidth": 40.0, "at_rest": False}),
+    "samples": (trajectories.from_samples, {"times": TIME, "q": WAVE[:, None], "bandwidth": 40.0, "at_rest": False}),
     "sizing": (sizing, {"robot": ARM, "trajectory": MOVE, "dwell": 0.0, "period": 1e-3}),
     "simulate": (run, {"robot": ARM, "controller": LAW, "trajectory": MOVE, "duration": 0.003, "substeps": None}),
     "simulate, options": (run, OPTIONS),

@@ -141,18 +141,18 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
         ({"bandwidth": "10"}, r"bandwidth must be one number, Hz, got '10'"),
         ({"joints": 3}, r"joints must be names, such as robot.joints, got 3"),
         ({"joints": ["a", "b"]}, r"2 joint names must match the number of positions, 1"),
-        ({"t": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
+        ({"times": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
         ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),
-        ({"t": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points found: at least 4 are needed"),
+        ({"times": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points found: at least 4 are needed"),
         (
-            {"t": TIMES[:6] * 20, "q": np.deg2rad([0, 20, 60, 80, 40, 0.0])[:, None], "joints": ["a"]},
+            {"times": TIMES[:6] * 20, "q": np.deg2rad([0, 20, 60, 80, 40, 0.0])[:, None], "joints": ["a"]},
             r"smoothed to 2.5 Hz the motion leaves its samples by 0.702 rad \(m\), where joint 'a' moves by 1.4: give",
         ),
     ],
 )
 def test_what_cannot_be_smoothed_is_refused(arguments: dict, message: str):
     with pytest.raises(InputError, match=message):
-        from_samples(**{"t": TIMES, "q": np.zeros((801, 1)), **arguments})
+        from_samples(**{"times": TIMES, "q": np.zeros((801, 1)), **arguments})
 
 
 @pytest.mark.parametrize("bandwidth", [None, 5.0, 1.0])

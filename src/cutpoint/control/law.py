@@ -227,7 +227,7 @@ def _check_parameters(name: str, step: Callable[..., Any]) -> None:
 
 
 def _check_needs(name: str, needs: Any) -> None:
-    if not isinstance(needs, (tuple, list)) or {*cast(Any, needs)} - {*SENSED}:
+    if not isinstance(needs, (tuple, list)) or any(x not in SENSED for x in cast(Any, needs)):
         rule = f"needs must be a tuple of names from {', '.join(SENSED)}"
         raise InputError(f"controller {name}: {rule}; it is {needs!r}", needs=needs)
 

@@ -70,20 +70,20 @@ class Smoothed(Spline):
 
 
 def from_samples(
-    t: ArrayLike,
+    times: ArrayLike,
     q: ArrayLike,
     *,
     bandwidth: float | None = None,
     at_rest: bool = True,
     joints: Sequence[str] | None = None,
 ) -> Smoothed:
-    """A motion with six continuous derivatives near the positions q (N, n), rad (m), at the times t (N,), s.
+    """A motion with six continuous derivatives near the positions q (N, n), rad (m), at these times (N,), s.
 
     Printing it shows the deviation from the samples, `.deviation` gives it for each joint.  Warnings report an abrupt
     start or end that raises accelerations, and a gap among the samples in which the motion is a guess.
 
     Args:
-        t: strictly increasing, evenly spaced or not; the motion's time counts from the first.
+        times: strictly increasing, evenly spaced or not; the motion's time counts from the first.
         q: at least 4 samples.
         bandwidth: Hz.  A component of this frequency is halved, one of a quarter of it keeps all but 2e-5, and noise
             above it fades.  By default 10 Hz, or a quarter of the mean sampling rate where that is lower.
@@ -102,24 +102,24 @@ def from_samples(
 
     check_truths("from_samples", at_rest=at_rest)
     names = None if joints is None else checked_names("from_samples", joints)
-    times, samples = timed_positions(t, q, FEWEST_SAMPLES, names)
-    chosen = _bandwidth(bandwidth, times)
+    t, samples = timed_positions(times, q, FEWEST_SAMPLES, names)
+    chosen = _bandwidth(bandwidth, t)
     moved = samples - samples[0]
     try:
-        spline, spacing = smoothing_spline(times, moved, chosen, at_rest)
+        spline, spacing = smoothing_spline(t, moved, chosen, at_rest)
     except np.linalg.LinAlgError as error:
-        raise InputError(f"from_samples: no single motion is near all samples; {_pause(times)}") from error
-    check_swing(spline, times / spacing, samples, _pause(times), names)
-    errors = spline(times / spacing) - moved
+        raise InputError(f"from_samples: no single motion is near all samples; {_pause(t)}") from error
+    check_swing(spline, t / spacing, samples, _pause(t), names)
+    errors = spline(t / spacing) - moved
     deviation = Deviation(np.abs(errors).max(axis=0), np.sqrt(np.mean(errors**2, axis=0)))
     ranges = np.ptp(samples, axis=0)
     if bandwidth is None:
         _check_near(deviation.max, ranges, chosen, names)
-    free = smoothing_spline(times, moved, chosen, at_rest=False)[0] if at_rest else spline
+    free = smoothing_spline(t, moved, chosen, at_rest=False)[0] if at_rest else spline
     peaks, least = peak_accelerations(spline), np.maximum(peak_accelerations(free), 1e-300)
     hurry = np.where(ranges > SMALL * ranges.max(), peaks / least, 1.0)
-    parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(times, chosen))
-    smoothed = Smoothed(float(times[-1]), samples[0], *parts)
+    parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(t, chosen))
+    smoothed = Smoothed(float(t[-1]), samples[0], *parts)
     _warn_of(smoothed)
     return smoothed
 
