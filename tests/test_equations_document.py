@@ -18,7 +18,7 @@ from paper import DEFINITIONS
     ],
 )
 def test_citations_are_read_with_their_ranges(docstring, numbers):
-    assert cited_numbers(docstring) == numbers
+    assert cited_numbers(docstring).keys() == numbers
 
 
 def test_citations_name_file_and_function(tmp_path):
@@ -26,6 +26,10 @@ def test_citations_name_file_and_function(tmp_path):
     source = 'class Law:\n    def torque(self):\n        """Xia (2019) eq. (2)."""\n'
     (tmp_path / "room" / "law.py").write_text(source)
     assert citations(tmp_path) == {2: ["room/law.py: Law.torque"]}
+    source += 'def whole():\n    """Xia (2019) eqs. (1)-(3), (1)."""\n'
+    (tmp_path / "room" / "law.py").write_text(source)
+    here = ["room/law.py: whole"]
+    assert citations(tmp_path) == {1: here, 2: ["room/law.py: Law.torque"], 3: here}
 
 
 def test_every_equation_is_cited_or_a_definition():
