@@ -58,7 +58,7 @@ def required_drive_torque(drive: Drive, tau: Scalar, v_r: Scalar, v: Scalar, spe
 def joint_command(
     drive: Drive, at: DriveState, q_d: Scalar, v_r: Jet, required: RequiredTorque, gain: JointGains
 ) -> JointCommand:
-    """The joint's control law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27), (28).
+    """The joint's law, from the required motion and torque of its link.  Xia (2019) eqs. (13), (22), (27), (28).
 
     kappa_r' = v_r + d delta_r/dt + beta (delta_r - delta): the motor follows the deflection that tau_r requires, and
     corrects the spring's deflection error.  A rigid drive has the same law with kappa_r' = v_r.
