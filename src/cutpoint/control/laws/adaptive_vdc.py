@@ -111,16 +111,16 @@ class AdaptiveVDC(VDC):
         """Torques on the links, rotor torques, both N m, and each body's new estimate; drives: as estimated."""
         armature = tuple(0 if drive.is_elastic else drive.reflected_inertia for drive in drives)
         system = quasi_rigid(replace(self.machine.system, armature=armature))
-        nominal = system.segments
+        modelled = system.segments
         believed = [inertia_of(self._inertial(x)) for x in estimates]
-        segments = tuple(replace(own, inertia=M) for own, M in zip(nominal, believed, strict=True))
+        segments = tuple(replace(own, inertia=M) for own, M in zip(modelled, believed, strict=True))
         system = replace(system, segments=segments)
         speeds, accelerations = zip(*(x.derivatives for x in v_r), strict=True)
         actual, required = required_motions(system, [*m.q], [*m.v], speeds, accelerations)
         # torques of the required motion with each body's estimated parameters, and their update
         tau, rotors = efforts_between(system, actual, required, speeds, accelerations, self.body_gain)
         powers = map(body_powers, actual, required)
-        bodies = zip(nominal, estimates, powers, strict=True)
+        bodies = zip(modelled, estimates, powers, strict=True)
         return tau, rotors, [self._learnt(body, estimate, s, m.period) for body, estimate, s in bodies]
 
     def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
