@@ -68,7 +68,7 @@ def bench_of(
 
     The paper's arm, with all its joints, makes the paper's move; others go from the middle of their joints' travel, see
     `travel_of`, by STROKE rad, at most SHARE of the travel, every second joint backwards.
-    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; see `tool_frame_of` if not given.
+    payload: rated, kg; 2 for the paper's arm and 3 for others.  frame: what it hangs on; by default `tool_frame_of` it.
 
     Raises:
         InputError: a joint that slides, a coordinate without a drive, a rigid drive, a frame that does not exist, or a
