@@ -17,7 +17,7 @@ import cutpoint
 from cutpoint import Backlash, ElastoPlastic, Grease, LinearSpring
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.model import Drive, Motor
-from cutpoint.simulation.plant import sizes
+from cutpoint.simulation.plant import lengths
 from cutpoint.studies import drive_effects as effects
 from cutpoint.studies.cost.timing import in_turns
 from cutpoint.trajectories import cycloid
@@ -113,7 +113,7 @@ def steps() -> list[dict]:
     found = []
     for name, robot in arms.items():
         nanoseconds = (least[name, MANY] - least[name, FEW]) / (PERIODS * (MANY - FEW))
-        found.append({"effect": name, "nanoseconds": nanoseconds, "states": sum(sizes(robot.machine))})
+        found.append({"effect": name, "nanoseconds": nanoseconds, "states": sum(lengths(robot.machine))})
     return found
 
 
