@@ -2,6 +2,8 @@
 
 import ast
 from collections.abc import Iterator
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import cutpoint
@@ -62,3 +64,18 @@ def imported(node: ast.AST) -> Iterator[str]:
         yield from ([*own, "face"][1] for own in modules if own[0] == "cutpoint")
     for child in ast.iter_child_nodes(node):
         yield from imported(child)
+
+
+def test_benchmarks_and_examples_import_what_there_is() -> None:
+    """They run with peers that tests do not install, so their imports of cutpoint are followed here."""
+    root, missing = Path(__file__).parents[1], list[str]()
+    for path in (*root.glob("benchmarks/*.py"), *root.glob("examples/*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "cutpoint":
+                missing += [f"{path.name}: {x.name}" for x in node.names if not is_there(node.module or "", x.name)]
+    assert not missing
+
+
+def is_there(module: str, name: str) -> bool:
+    found = import_module(module)
+    return hasattr(found, name) or (hasattr(found, "__path__") and find_spec(f"{module}.{name}") is not None)
