@@ -26,3 +26,20 @@ def test_the_map_of_the_house_names_every_room() -> None:
 def test_every_example_file_runs(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     exec(compile(example.read_text(), str(example), "exec"), {"__name__": "__main__"})
+
+
+@pytest.mark.parametrize("document", sorted((*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"))), ids=lambda p: p.name)
+def test_every_link_to_a_document_arrives(document: Path) -> None:
+    links = re.findall(r"\]\((?!https?:)([^)#\s]*)(?:#([^)\s]*))?\)", document.read_text())
+    assert not [(path, anchor) for path, anchor in links if not _arrives(document.parent / path, document, anchor)]
+
+
+def _arrives(target: Path, document: Path, anchor: str) -> bool:
+    page = document if target == document.parent else target
+    return page.exists() and (not anchor or anchor in _anchors(page))
+
+
+def _anchors(page: Path) -> set[str]:
+    """As most viewers make them of headings: in lower case, letters, digits and hyphens for blanks."""
+    titles = re.findall(r"(?m)^#+ (.*)$", page.read_text())
+    return {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}
