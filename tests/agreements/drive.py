@@ -6,7 +6,7 @@ from agreements.manipulator import robot
 from agreements.registry import equations
 from cutpoint import Coulomb, Drive, Flexspline, Rotor, Stribeck
 from cutpoint.control import PD, Measurement, Reference
-from cutpoint.control.laws.vdc import required_velocity
+from cutpoint.control.laws.required_velocity import required_velocity
 from cutpoint.formats.drives.drive_sheet import GearSheet
 from cutpoint.formats.drives.entry import harmonic_ratio
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque, load_on_motor, motor_position, spring_torque

@@ -69,7 +69,15 @@ def test_following_the_elements_takes_hysteresis_out_of_the_reading():
     read = arm.drive_torque(theta, q)
     plain, followed = read - log["joint_torque"], read + followed_hysteresis(arm, theta, q) - log["joint_torque"]
     assert np.abs(followed[:, :3]).max() < 0.5 * np.abs(plain[:, :3]).max()
-    assert torque_bound(arm, theta, q, ENCODERS[encoders]).largest_part == ["hysteresis"] * 6
+    assert torque_bound(arm, theta, q, ENCODERS[encoders], winding_speed=0.0).largest_part == ["hysteresis"] * 6
+
+
+def test_a_damped_spring_needs_its_winding_speed():
+    damped = {name: replace(d, damping=5.0) for name, d in robot("xia2019").drives.items()}
+    arm, at = robot("xia2019").with_drives(damped), np.zeros((3, 6))
+    with pytest.raises(InputError, match=r"the spring of 'joint1' is damped, .* give winding_speed, the largest"):
+        torque_bound(arm, at, at, Sensors())
+    assert (torque_bound(arm, at, at, Sensors(), winding_speed=0.0).total == 0).all()
 
 
 def test_a_rigid_drive_is_not_read():
@@ -137,7 +145,7 @@ def test_winding_either_way_counts_as_fast_and_springs_that_soften_where_they_ar
     there, back = (torque_bound(arm, at, at, Sensors(), winding_speed=x).damping for x in (0.5, -0.5))
     assert (there == 2.5).all() and np.array_equal(there, back)
     # wound by 1e-3 rad, beyond both corners, and read wrong by so much that it may not be wound at all
-    coarse = torque_bound(arm, at + 1e-3, at, Sensors(link_resolution=4e-3))
+    coarse = torque_bound(arm, at + 1e-3, at, Sensors(link_resolution=4e-3), winding_speed=0.0)
     assert coarse.resolution == pytest.approx(np.full((1, 6), 2 * softening.torque(1e-3)))
 
 

@@ -1,11 +1,13 @@
 """Laws of the closed loop: rest stays rest, steps are fine enough, limits act last, and numbers are inputs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cutpoint import Drive, InputError, LinearSpring, Log, Rotor, State, simulate
 from cutpoint.control import PD, Feedforward, GravityCompensation
-from cutpoint.model import Limits
+from cutpoint.model import Limits, Motor
 from cutpoint.simulation.cache import programs_for
 from cutpoint.simulation.controllers import admitted
 from cutpoint.simulation.loop import loop as loops
@@ -109,6 +111,16 @@ def test_torque_limits_act_after_all_laws_are_added():
     shares = (np.abs(log["command_torque"]) > 12.0).mean(axis=0)
     assert log.meta["over_limit"] == {joint: share for joint, share in zip(log.joints, shares, strict=True) if share}
     assert 0 < len(log.meta["over_limit"]) < 6
+
+
+def test_what_the_voltage_does_not_allow_at_a_speed_counts_as_over_the_limit():
+    arm, motor = robot("xia2019"), Motor(torque_constant=0.1, resistance=0.5, voltage_limit=0.4)
+    weak = arm.with_drives({"joint1": replace(arm.drives["joint1"], motor=motor)})
+    log = simulate(weak, PD(KP, KD), cycloid(POSE, 0.3), duration=0.05)
+    asked, gain = log["command_torque"][:, 0], 0.1 * weak.drives["joint1"].ratio
+    current = (np.sign(asked) * 0.4 - gain * log["theta_dot"][:, 0]) / 0.5  # what is left of the voltage drives it
+    share = (np.abs(asked) > gain * np.abs(current)).mean()
+    assert 0 < share < 1 and log.meta["over_limit"] == {"joint1": share}
 
 
 def test_the_smaller_of_the_drives_and_the_joints_limit_counts():

@@ -104,8 +104,9 @@ def test_waves_that_turn_out_too_fast_for_the_steps_are_told_of():
     told = r"at which waves of order 84 of the motor of 'joint' would take \d+ .*, but 5 were taken: give substeps="
     with pytest.warns(StiffnessWarning, match=told):
         simulate(ours, Shaken(40.0, 5.0), **pushed)
-    with pytest.warns(StiffnessWarning, match=told):
+    with pytest.warns(StiffnessWarning, match=r"simulate_many: runs 0, 1 of 2 reached speeds " + told) as of_many:
         simulate_many([ours, ours], Shaken(40.0, 5.0), **pushed)
+    assert len(of_many) == 1 and of_many[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         simulate(ours, Shaken(40.0, 5.0), substeps=50, **pushed)

@@ -50,7 +50,7 @@ def torque_bound(
     q: ArrayLike,
     sensors: Sensors,
     *,
-    winding_speed: ArrayLike = 0.0,
+    winding_speed: ArrayLike | None = None,
     record: bool = False,
 ) -> TorqueBound:
     """How far `Robot.drive_torque(theta, q)` can be from what the drives exert on their links.
@@ -61,17 +61,17 @@ def torque_bound(
     Args:
         theta, q: encoder readings, (..., drives), rad (m) at the joint's side.
         sensors: the encoders' resolution and noise; their delay does not count, since both sides have it.
-        winding_speed: largest rate of deflection, one number or (..., drives), rad/s (m/s); it matters for damped
-            springs.
+        winding_speed: largest rate of deflection, one number or (..., drives), rad/s (m/s).  It must be given where a
+            spring is damped, since the reading is the torque without damping; 0 bounds it at rest.
         record: whether the readings (N, drives) are one motion that starts with unstrained elements: then no element of
             hysteresis is strained further than the deflection has moved so far.
 
     Raises:
-        InputError: a joint with several coordinates, numbers that are not finite, shapes that do not match, or sensors
-            on one side only.
+        InputError: a joint with several coordinates, numbers that are not finite, shapes that do not match, sensors on
+            one side only, or a damped spring without winding_speed.
     """
     check_robot("torque_bound", robot)
-    speed = winding_speed if np.ndim(winding_speed) else np.full(len(robot.drives), winding_speed)
+    speed = _winding_speed(robot, winding_speed)
     theta, q, speed = _readings("torque_bound", robot, theta=theta, q=q, winding_speed=speed)
     if record:
         _check_motion("torque_bound", theta)
@@ -89,6 +89,17 @@ def torque_bound(
             for part, each in zip(parts, own, strict=True):
                 part[..., k] = each
     return TorqueBound(*parts)
+
+
+def _winding_speed(robot: Robot, given: ArrayLike | None) -> ArrayLike:
+    """For each drive.  Raises InputError where a damped spring needs it."""
+    damped = [name for name, drive in robot.drives.items() if drive.is_elastic and drive.damping]
+    if given is None and damped:
+        why = f"the spring of {damped[0]!r} is damped, and encoder positions do not show the torque of its damping"
+        remedy = "give winding_speed, the largest |theta_dot - v| in rad/s, or 0 at rest"
+        raise InputError(f"torque_bound: {why}; {remedy}", joint=damped[0])
+    speed = 0.0 if given is None else given
+    return speed if np.ndim(speed) else np.full(len(robot.drives), speed)
 
 
 def _parts(

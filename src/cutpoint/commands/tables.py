@@ -158,7 +158,8 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     most = dict(zip(robot.joints, efforts_in_force(robot.mechanism, robot.drives).tolist(), strict=True))
     for name, share in log.meta.get("over_limit", {}).items():
         unit = "N" if name in robot.mechanism.sliding else "N m"
-        yield f"{name} is asked for more than its limit of {most[name]:.4g} {unit} in {share:.1%} of the samples"
+        limit = f"its limit of {most[name]:.4g} {unit}" if np.isfinite(most[name]) else "its voltage allows"
+        yield f"{name} is asked for more than {limit} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 

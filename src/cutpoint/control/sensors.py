@@ -14,6 +14,9 @@ from cutpoint.scalars import Scalar
 
 Numbers = Sequence[float]
 
+SAMPLED = ("q", "theta", "v", "theta_dot")
+"""The order of a sample: what encoders read, which are positions, comes before speeds."""
+
 _TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding it rounds a double to a whole number, to even
 
 MOST_DELAYED = 24_000
@@ -67,7 +70,7 @@ class Encoders:
         return [*seen, *v, *theta_dot] * self.delay + (seen if self.differenced else [])
 
     def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
-        """The measurement, and the next memory: sample and measurement are q, theta, v, theta_dot, n each."""
+        """The measurement, and the next memory: sample and measurement are SAMPLED, n each."""
         n = 2 * self.size
         noises, steps = self._spread(self.noise), self._spread(self.resolution)
         normals = iter(noise)

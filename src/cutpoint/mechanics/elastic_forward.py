@@ -14,7 +14,7 @@ from cutpoint.mechanics.drives.harmonic_drive import (
     rigidly_transmitted,
     transmitted_torque,
 )
-from cutpoint.mechanics.drives.strains import UNKNOWN, Strains
+from cutpoint.mechanics.drives.strains import Strains, or_unknown
 from cutpoint.mechanics.forward_dynamics import (
     FreeRotor,
     articulated_accelerations,
@@ -40,13 +40,13 @@ class DriveEffort(NamedTuple):
     """Torques of one drive on its link and on its rotor.
 
     on_link: N m on its link, friction deducted; transmitted: N m through the drive, before the link's friction.
-    left: net torque on an elastic drive's rotor, N m; mobility: the rotor's acceleration per unit of it, 1/(kg m2).
+    net: torque on an elastic drive's rotor, N m; mobility: the rotor's acceleration per unit of it, 1/(kg m2).
     inertia: kg m2, added to the link's own.  follows: the share of the link's acceleration that an elastic drive's
     rotor takes on.
     """
 
     on_link: Any
-    left: Any
+    net: Any
     transmitted: Any
     mobility: Any = 0
     inertia: Any = 0
@@ -55,7 +55,7 @@ class DriveEffort(NamedTuple):
     @property
     def alpha(self) -> Any:
         """The rotor's acceleration while carrier and link do not accelerate, rad/s2."""
-        return self.left * self.mobility
+        return self.net * self.mobility
 
 
 def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: Strains) -> DriveEffort:
@@ -65,8 +65,8 @@ def drive_effort(drive: Drive, at: DriveState, motor_torque: Scalar, strains: St
         tau = rigidly_transmitted(drive, motor_torque, at.v, strains.motor)
         return DriveEffort(tau - xi, 0, tau)
     tau_f = transmitted_torque(drive, at, strains.spring)
-    left = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
-    return DriveEffort(tau_f - xi, left, tau_f, 1 / drive.reflected_inertia)
+    net = motor_torque - load_on_motor(drive, tau_f, at.theta, at.theta_dot, strains.motor)
+    return DriveEffort(tau_f - xi, net, tau_f, 1 / drive.reflected_inertia)
 
 
 def drive_states(
@@ -93,8 +93,8 @@ def elastic_forward_dynamics(
     springs have no hysteresis.
     """
     states = drive_states(drives, q, v, theta, theta_dot)
-    held = strains or [UNKNOWN] * len(drives)
-    efforts = [drive_effort(d.drive, at, u, s) for d, at, u, s in zip(drives, states, motor_torque, held, strict=True)]
+    each = zip(drives, states, motor_torque, or_unknown(strains, drives), strict=True)
+    efforts = [drive_effort(d.drive, at, u, s) for d, at, u, s in each]
     return driven_accelerations(system, drives, q, v, theta_dot, efforts)
 
 
@@ -108,12 +108,13 @@ def driven_accelerations(
     disturbance: Scalars | None = None,
 ) -> ElasticAccelerations[list[Any]]:
     """Accelerations of links and motors under their drives' torques.  disturbance: N m on the links, one per speed."""
+    # drives: torques on their links, and inertia that their damping adds
     tau = [*disturbance] if disturbance is not None else [0] * system.nv
     inertia = [*system.armature]
     for d, effort in zip(drives, efforts, strict=True):
         tau[d.v], inertia[d.v] = tau[d.v] + effort.on_link, inertia[d.v] + effort.inertia
     system = replace(system, armature=tuple(inertia))
-    # undriven joints: the recursion preserves symmetries exactly, as linear models need
+    # links; with undriven joints by the recursion, which preserves symmetries exactly, as linear models need
     solves = system.has_followers or (system.nv == len(drives) and is_shallow(system))
     motors = zip(drives, efforts, theta_dot, strict=True)
     rotors = {d.segment: FreeRotor(w, e.alpha, e.mobility, e.follows) for d, e, w in motors if d.drive.is_elastic}
@@ -121,11 +122,9 @@ def driven_accelerations(
         a, A = articulated_accelerations(system, q, v, tau, {}, rotors)
     else:
         a, A = through_mass_matrix(system, q, v, tau), []
-    alpha = {d.segment: a[d.v] for d in drives}
-    for d in drives:
-        if d.segment in rotors:
-            alpha[d.segment] = rotors[d.segment].alpha + rotors[d.segment].follows * a[d.v]
-    for spin in system.spins:  # relative to its carrier: off goes what that turns the rotor by
+    # motors: with their links or on their own, relative to what carries them
+    alpha = {d.segment: rotors[d.segment].acceleration(a[d.v]) if d.segment in rotors else a[d.v] for d in drives}
+    for spin in system.spins:
         if spin.elastic:
             turned = spin.along(A[spin.carrier].angular) * rotors[spin.joint].mobility
             alpha[spin.joint] = alpha[spin.joint] - turned

@@ -12,7 +12,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import Wrench
 from cutpoint.mechanics.drives.motor_motion import MotorMotion, motor_motion, motor_torque
-from cutpoint.mechanics.drives.strains import UNKNOWN, Strains
+from cutpoint.mechanics.drives.strains import Strains, or_unknown
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, rotor_efforts
 from cutpoint.mechanics.system import Driven, System
 from cutpoint.model.mechanism import WORLD
@@ -73,12 +73,10 @@ def elastic_inverse_dynamics(
     a = [x.rate() for x in v]
     moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)
-    # a leader's torque is complete once its innermost follower has added its share
-    innermost = {s.v.start: i for i, s in reversed([*enumerate(system.segments)])}
-    whole_at = {innermost[d.v]: d for d in drives}
+    whole_at = _whole_at(system, drives)
     found: dict[int, MotorMotion] = {}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
-    strained = {d.segment: s for d, s in zip(drives, strains or [UNKNOWN] * len(drives), strict=True)}
+    strained = {d.segment: s for d, s in zip(drives, or_unknown(strains, drives), strict=True)}
     tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
     # inward: each joint's torque, its motor's motion, and the wrenches of rotor and body on the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
@@ -132,6 +130,12 @@ def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
             own = [Jet(*x.derivatives, rate.derivatives[k]) for x, rate in zip(own, rates, strict=True)]
         jets[body.q] = own
     return jets
+
+
+def _whole_at(system: System, drives: Sequence[Driven]) -> dict[int, Driven]:
+    """The drive whose joint's torque is complete at a segment, inward: a leader's at its innermost follower."""
+    innermost = {segment.v.start: i for i, segment in reversed([*enumerate(system.segments)])}
+    return {innermost[d.v]: d for d in drives}
 
 
 def _spin_wrench(

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import NO_WRENCH, ZERO, Wrench
 from cutpoint.mechanics.drives.harmonic_drive import deflection
-from cutpoint.mechanics.drives.strains import UNKNOWN, Strains, strain_energy
+from cutpoint.mechanics.drives.strains import Strains, or_unknown, strain_energy
 from cutpoint.mechanics.kinematics import body_velocities, world_poses
 from cutpoint.mechanics.system import Driven, System
 from cutpoint.scalars import Scalar
@@ -70,8 +70,7 @@ def elastic_energy(
 ) -> Scalar:
     """Energy in springs and spinning rotors of the elastic drives, and in all strained elements, J."""
     total: Scalar = 0
-    held = strains or [UNKNOWN] * len(drives)
-    for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, held, strict=True):
+    for d, theta_k, theta_dot_k, s in zip(drives, theta, theta_dot, or_unknown(strains, drives), strict=True):
         total = total + strain_energy(d.drive, s)
         if d.drive.compliance is not None:
             spin = d.drive.reflected_inertia * theta_dot_k * theta_dot_k / 2

@@ -40,6 +40,10 @@ class FreeRotor(NamedTuple):
     mobility: Scalar
     follows: Scalar
 
+    def acceleration(self, a: Scalar) -> Scalar:
+        """Its own, rad/s2, where the joint accelerates with a and the carrier does not."""
+        return self.alpha + self.follows * a
+
 
 def forward_dynamics(
     system: System, q: Scalars, v: Scalars, tau: Scalars, contact: Mapping[str, Wrench] | None = None
@@ -94,8 +98,8 @@ def articulated_accelerations(
     for spin in system.spins:
         if spin.elastic:
             i, k, rotor = spin.carrier, system.segments[spin.joint].v.start, rotors[spin.joint]
-            freed = replace(spin, inertia=spin.geared * spin.geared * rotor.mobility)
-            M[i], P[i] = let_spin(freed, M[i], P[i], coast[i].V.angular, coast[i].A, rotor.speed, rotor.alpha)
+            inertia = spin.geared * spin.geared * rotor.mobility  # J, or less where damping adds to it
+            M[i], P[i] = let_spin(spin, inertia, M[i], P[i], coast[i].V.angular, coast[i].A, rotor.speed, rotor.alpha)
             left[k] = left[k] - rotor.follows * spin.along(coast[i].A.angular)
     # inward: inertia of a body with all it carries, once its joint gives way
     gave: list[list[Yield]] = []
@@ -127,13 +131,14 @@ def felt_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[Fe
 
 
 def let_spin(
-    spin: Spin, M: Articulated, P: Wrench, omega: Vec3, A: Motion, speed: Scalar, alpha: Scalar
+    spin: Spin, inertia: Scalar, M: Articulated, P: Wrench, omega: Vec3, A: Motion, speed: Scalar, alpha: Scalar
 ) -> tuple[Articulated, Wrench]:
     """Inertia and bias of the carrier of an elastic drive's rotor, which does not follow the carrier about its axis.
 
-    Xia (2019) eqs. (4), (7), (11).  M, P: as if it did.  omega, A: the carrier's.  speed, alpha: as of a `FreeRotor`.
+    Xia (2019) eqs. (4), (7), (11).  inertia: the rotor's about its axis.  M, P: as if it did follow.  omega, A: the
+    carrier's.  speed, alpha: as of a `FreeRotor`.
     """
-    apart = Articulated.about(spin.axis, -spin.inertia)
+    apart = Articulated.about(spin.axis, -inertia)
     return M + apart, P + apart * A + spin.reaction(omega, speed, alpha)
 
 

@@ -1,9 +1,18 @@
 """A drive in a step of a linearly implicit integrator: resistances act on the unknown acceleration.
 
 Friction and the spring's damping change with speed by D (N m s/rad), which may make the drive arbitrarily stiff.  A
-stage of a step h solves  J k = effort - D (gamma h k + earlier stages' added speed)  for the acceleration k: D adds to
-inertia, and is computed once, at the start of the step; see `simulation.loop.step`.  All quantities at the joint's
-side.
+stage of a step h solves  J k = effort - D (s k + earlier stages' added speed), s = gamma h,  for the acceleration k: D
+adds to inertia, and is computed once, at the start of the step; see `simulation.loop.step`.
+
+With friction D_l of the link and D_m of the motor, damping d, transmission t, and the net torques tau_l and tau_m on
+link and rotor while neither accelerates:
+
+    rotor    J theta'' = tau_m - s D_m theta'' - t s d (t theta'' - a)
+    so       theta'' = mobility tau_m + follows a,  mobility = 1 / (J + s (D_m + d t^2)),  follows = s d t mobility
+    link     M a = tau_l + s d (t theta'' - a) - s D_l a = tau_l + follows tau_m - inertia a
+    with     inertia = s (D_l + d (1 - follows t))
+
+All quantities at the joint's side.
 """
 
 from typing import Any, NamedTuple
@@ -45,11 +54,12 @@ def resistance(drive: Drive, at: DriveState, strains: Strains, span: Scalar, loa
     load = transmitted_torque(drive, at, strains.spring)
     motor = friction_resistance(drive.motor_friction, at.theta_dot, load, strains.motor)
     if damping is None:
-        return Resistance(link, motor, 1, 1 / (drive.reflected_inertia + span * motor), span * link)
+        return Resistance(link, motor, mobility=1 / (drive.reflected_inertia + span * motor), inertia=span * link)
     t = transmission(drive, at.theta)
     mobility = 1 / (drive.reflected_inertia + span * (motor + damping * t * t))
     follows = span * damping * t * mobility
-    return Resistance(link, motor, t, mobility, span * (link + damping * (1 - follows * t)), follows)
+    inertia = span * (link + damping * (1 - follows * t))
+    return Resistance(link, motor, transmission=t, mobility=mobility, inertia=inertia, follows=follows)
 
 
 def from_memory(drive: Drive, numbers: tuple[Scalar, ...]) -> Resistance:
@@ -71,12 +81,12 @@ def resisted(drive: Drive, effort: DriveEffort, resists: Resistance, earlier: tu
     if not is_resisted(drive):
         return effort
     effort = effort._replace(mobility=resists.mobility, inertia=resists.inertia, follows=resists.follows)
-    on_link, left = effort.on_link - resists.link * earlier[0], effort.left
+    on_link, net = effort.on_link - resists.link * earlier[0], effort.net
     if not drive.is_elastic:
         return effort._replace(on_link=on_link)
-    left = left - resists.motor * earlier[1]
+    net = net - resists.motor * earlier[1]
     if drive.damping is not None:
         wound = drive.damping * (resists.transmission * earlier[1] - earlier[0])
-        left = left - resists.transmission * wound
-        on_link = on_link + wound + resists.follows * left
-    return effort._replace(on_link=on_link, left=left)
+        net = net - resists.transmission * wound
+        on_link = on_link + wound + resists.follows * net
+    return effort._replace(on_link=on_link, net=net)

@@ -39,21 +39,29 @@ def _add_spins(system: System, X: list[Pose], M: list[list[Scalar]]) -> None:
             continue
         k = system.segments[spin.joint].v.start
         for j, V in columns[spin.carrier].items():
-            M[k][j] = M[k][j] + spin.along(V.angular)
-            M[j][k] = M[j][k] + spin.along(V.angular)
+            _add(M, k, j, spin.along(V.angular))
 
 
 def _add_row(system: System, X: list[Pose], composite: Inertia, i: int, M: list[list[Scalar]]) -> None:
     """Torques at joint i, and at every joint that carries it, when joint i alone accelerates."""
     body = system.segments[i]
     for v, z in body.columns():
-        F, carrier = composite * z, i
+        F = composite * z
+        # the joint's own axes: each pair is computed once, so that M is symmetric to the last bit
+        own_efforts = [*enumerate(body.joint.effort(F), body.v.start)]
+        for j, effort in own_efforts[: v - body.v.start]:
+            _add(M, v, j, body.gain * effort)
+        M[v][v] = M[v][v] + body.gain * own_efforts[v - body.v.start][1]
+        # inward: the joints that carry it; followers among them may share its coordinate, which then gets both terms
+        F, carrier = X[i].inward(F), body.parent
         while carrier != WORLD:
             own = system.segments[carrier]
             for j, effort in enumerate(own.joint.effort(F), own.v.start):
-                if carrier == i and j > v:
-                    continue  # pairs of one joint's own axes are computed once, so that M is symmetric to the last bit
-                M[v][j] = M[v][j] + own.gain * effort
-                if carrier != i or j < v:
-                    M[j][v] = M[j][v] + own.gain * effort
+                _add(M, v, j, own.gain * effort)
             F, carrier = X[carrier].inward(F), own.parent
+
+
+def _add(M: list[list[Scalar]], j: int, k: int, coupling: Scalar) -> None:
+    """Adds a coupling of two coordinates at both of its places."""
+    M[j][k] = M[j][k] + coupling
+    M[k][j] = M[k][j] + coupling

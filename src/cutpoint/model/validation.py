@@ -18,6 +18,7 @@ from cutpoint.model.lumping import MassProperties
 from cutpoint.model.mechanism import DRIVEN_KINDS, Array, Body, Joint, JointKind, Limits, Link
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid, unit_vector
+from cutpoint.model.units import SLIDING
 
 RELATIVE = 1e-6
 GYRATION = 1e-6
@@ -39,7 +40,7 @@ TURNING_UNITS = {
     "damping": "N m s/rad",
     "friction": "N m",
 }
-SLIDING_UNITS = {"position": "m", "velocity": "m/s", "effort": "N", "damping": "N s/m", "friction": "N"}
+SLIDING_UNITS = {what: SLIDING[unit] for what, unit in TURNING_UNITS.items()}
 
 ONE_COORDINATE: tuple[JointKind, ...] = (*DRIVEN_KINDS, "helical")
 """Kinds that can be locked at a value, lead and follow."""

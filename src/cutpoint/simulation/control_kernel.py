@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from cutpoint import kernels
 from cutpoint.control.interface import Control, start_of
 from cutpoint.control.own_law import check_pure
-from cutpoint.control.sensors import Sensors, encoders_of
+from cutpoint.control.sensors import SAMPLED, Sensors, encoders_of
 from cutpoint.kernels import Kernel
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, with_float_leaves
@@ -18,7 +18,6 @@ from cutpoint.simulation.loop.parameters import law_parameters
 
 Array = NDArray[np.float64]
 
-MEASURED = ("q", "theta", "v", "theta_dot")
 REFERENCE = ("reference_q", "reference_v", "reference_a", "reference_jerk", "reference_snap")
 
 
@@ -40,7 +39,7 @@ class ControlStep(NamedTuple):
 def law_kernel(robot: Robot, law: Control, *, name: str = "control_step") -> Kernel:
     """One step of a law, equal to the compiled loop's to the last bit; torque limits are not applied.
 
-    Inputs: MEASURED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
+    Inputs: SAMPLED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
     Outputs: those of ControlStep.
     Raises InputError for a law of another robot's size, TraceError for one that cannot be traced.
     """
@@ -48,12 +47,12 @@ def law_kernel(robot: Robot, law: Control, *, name: str = "control_step") -> Ker
     n, count = loop.layout.n, len(law_parameters(loop.controller, 1.0))
 
     def control_step(time: Any, memory: Any, parameters: Any, **given: Any) -> ControlStep:
-        measured, references = ([x for key in keys for x in given[key]] for keys in (MEASURED, REFERENCE))
+        measured, references = ([x for key in keys for x in given[key]] for keys in (SAMPLED, REFERENCE))
         command, after = loop.control(measured, memory, [time, *references], parameters)
         torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
         return ControlStep(torque, feedforward, theta, theta_dot, command[-1], after)
 
-    sizes = dict.fromkeys((*MEASURED, *REFERENCE), n)
+    sizes = dict.fromkeys((*SAMPLED, *REFERENCE), n)
     memory = len(loop.initial_memory())
     return kernels.compile(
         control_step, name=name, backend=robot.backend, **sizes, time=(), memory=memory, parameters=count

@@ -26,11 +26,14 @@ from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
-from cutpoint.simulation.steps.steps_reached import check_steps
+from cutpoint.simulation.steps.steps_reached import TooFew, check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps
 from cutpoint.trajectories import Trajectory
 
 Array = NDArray[np.float64]
+
+MOST_NAMED = 8
+"""Runs that a warning names."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -107,12 +110,14 @@ def simulate_many(
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}
     packs = packs_of(setups, _structure, times=times, steps=steps, settings=settings)
     alone = _untraceable(packs)
-    keep = _kept(each, checked=substeps is None)
+    too_few: dict[int, list[TooFew]] = {}
+    keep = _kept(each, too_few if substeps is None else None)
     found = _run_all([pack for pack in packs if pack not in alone], times, threads, keep)
     numbers = [setup.number for pack in alone for setup in pack.setups]
     common = {"duration": float(times[-1]), "control_period": control_period, "channels": channels}
     own = {k: {name: values[k] for name, values in runs.items()} | common for k in numbers}
     found |= _one_by_one(own, steps.number, settings, keep)
+    _warn_of(too_few, len(setups))
     for number in range(len(setups)):
         found.setdefault(number, SimulationError("interrupted before it ended", diverged=False))
     errors = {k: x for k, x in sorted(found.items()) if isinstance(x, SimulationError)}
@@ -221,22 +226,31 @@ def _one_by_one(
             if not error.evidence["diverged"]:  # Ctrl-C
                 break
         else:
-            found[number] = keep(replace(log, meta={**log.meta, **settings}))
+            found[number] = keep(number, replace(log, meta={**log.meta, **settings}))
     return found
 
 
-def _kept(each: Callable[[Log], Any] | None, checked: bool) -> Callable[[Log], Any]:
-    """A run's result from its log, after its steps are checked."""
+def _kept(each: Callable[[Log], Any] | None, too_few: dict[int, list[TooFew]] | None) -> Callable[[int, Log], Any]:
+    """A run's result from its number and log; notes runs that took too few steps."""
 
-    def keep(log: Log) -> Any:
-        if checked and log.run:
-            check_steps(log.run.robot, log)
+    def keep(number: int, log: Log) -> Any:
+        if too_few is not None and log.run and (found := check_steps(log.run.robot, log)):
+            too_few[number] = found
         return each(log) if each else log
 
     return keep
 
 
-def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log], Any]) -> dict[int, Any]:
+def _warn_of(too_few: dict[int, list[TooFew]], count: int) -> None:
+    """Warns, in the caller's thread, of runs that took too few steps."""
+    if too_few:
+        numbers, more = [*map(str, sorted(too_few))], len(too_few) - MOST_NAMED
+        told = ", ".join(numbers[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+        who = f"simulate_many: {'run' if len(numbers) == 1 else 'runs'} {told} of {count}"
+        warn_of([each for found in too_few.values() for each in found], who)
+
+
+def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[int, Log], Any]) -> dict[int, Any]:
     """Runs all packs on threads that release the GIL; this thread shows progress and handles Ctrl-C."""
     stop, done, found = Event(), [0] * len(packs), dict[int, Any]()
     total = float(len(packs) * times[-1])
@@ -248,7 +262,7 @@ def _run_all(packs: list[Pack], times: Array, threads: int, keep: Callable[[Log]
 
         found = packs[k].run(goes_on)
         done[k] = len(times)
-        return {n: x if isinstance(x, SimulationError) else keep(x) for n, x in found.items()}
+        return {n: x if isinstance(x, SimulationError) else keep(n, x) for n, x in found.items()}
 
     with Bar("simulating", total) as bar, ThreadPoolExecutor(threads) as pool:
         waiting: set[Future[dict[int, Any]]] = {pool.submit(task, k) for k in range(len(packs))}

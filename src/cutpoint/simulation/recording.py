@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
+from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.mechanics.drives.strains import count, dealt, taken
 from cutpoint.model.limits import efforts_in_force
 from cutpoint.simulation.log.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
@@ -17,6 +18,9 @@ Array = NDArray[np.float64]
 
 POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "reference_q", "position_error",
              "motor_position_error")  # fmt: skip
+ROUNDING = 1e-9
+"""Share of a torque by which limits are not passed."""
+
 SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
 
 
@@ -40,11 +44,17 @@ def log_of(
 
 
 def _over_limit(loop: ClosedLoop, channels: Mapping[str, Array]) -> dict[str, dict[str, float]]:
-    """By joint, the share of samples in which its motor is asked for more than its limits of torque allow, if any."""
-    asked, robot = channels.get("command_torque"), loop.robot
+    """By joint, the share of samples in which its motor is asked for more torque than its limits of effort and current,
+    or its voltage at that speed, allow, if any."""
+    asked, speeds, robot = channels.get("command_torque"), channels.get("theta_dot"), loop.robot
     if asked is None:
         return {}
-    shares = (np.abs(asked) > efforts_in_force(robot.mechanism, robot.drives)).mean(axis=0).tolist()
+    over = np.abs(asked) > efforts_in_force(robot.mechanism, robot.drives)
+    for k, drive in enumerate(robot.drives.values()):
+        if speeds is not None and drive.motor and drive.motor.voltage_limit is not None:
+            allowed = within_limits(drive, asked[:, k], speeds[:, k])
+            over[:, k] |= np.abs(allowed - asked[:, k]) > ROUNDING * np.abs(asked[:, k])
+    shares = over.mean(axis=0).tolist()
     found = {joint: share for joint, share in zip(robot.drives, shares, strict=True) if share > 0.0}
     return {"over_limit": found} if found else {}
 

@@ -33,7 +33,7 @@ from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.plant import State
 from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
-from cutpoint.simulation.steps.steps_reached import check_steps
+from cutpoint.simulation.steps.steps_reached import check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps, substeps_for
 from cutpoint.trajectories import Trajectory
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
@@ -115,7 +115,7 @@ def simulate(
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     if integrate is None and substeps is None:
-        check_steps(robot, log)
+        warn_of(check_steps(robot, log))
     return log
 
 

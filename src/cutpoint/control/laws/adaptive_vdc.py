@@ -11,14 +11,15 @@ from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.laws import adaptation, command_filter
 from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
 from cutpoint.control.laws.joint_parameters import JointPower, adapted, nominal, with_numbers
-from cutpoint.control.laws.model_law import states_by_drive
-from cutpoint.control.laws.vdc import VDC, required_velocity
+from cutpoint.control.laws.required_velocity import required_velocity
+from cutpoint.control.laws.vdc import VDC
 from cutpoint.definitions import Machine
 from cutpoint.door import check_choice
 from cutpoint.errors import InputError
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
 from cutpoint.mechanics.bodies.rigid_body import body_regressor, inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import ZERO, Pose
+from cutpoint.mechanics.elastic_forward import drive_states
 from cutpoint.mechanics.inverse_dynamics import BodyMotion
 from cutpoint.mechanics.required_dynamics import efforts_between, quasi_rigid, required_motions
 from cutpoint.mechanics.system import Segment
@@ -92,7 +93,8 @@ class AdaptiveVDC(VDC):
         filters, filtered = command_filter.step(memory.filters, tau_r, omega, measurement.period)
         m, told, joints = measurement, [], []
         # each joint: its motor command, and its parameter update
-        for k, (drive, at) in enumerate(zip(believed, states_by_drive(m.q, m.v, m.theta, m.theta_dot), strict=True)):
+        states = drive_states(drives, m.q, m.v, m.theta, m.theta_dot)
+        for k, (drive, at) in enumerate(zip(believed, states, strict=True)):
             gain = JointGains(self.speed_gain[k], self.motor_gain[k], self.spring_gain[k])
             torque = RequiredTorque(Jet(tau_r[k], *filtered[k].derivatives[1:]), rotors[k])
             told.append(joint_command(drive, at, reference.q[k], v_r[k], torque, gain))

@@ -6,12 +6,13 @@ from typing import Any, Literal
 import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
-from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
+from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.definitions import Machine
 from cutpoint.door import check_choice
 from cutpoint.mechanics.drives import strains
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, friction_of_both_sides
 from cutpoint.mechanics.drives.motor import torque_for
+from cutpoint.mechanics.elastic_forward import drive_states
 from cutpoint.mechanics.elastic_inverse import Options, elastic_inverse_dynamics
 from cutpoint.mechanics.inverse_dynamics import inverse_dynamics
 
@@ -64,7 +65,7 @@ class Feedforward(ModelLaw):
         command = Command(torque, torque, np.array(u.theta), np.array(u.theta_dot))
         if not memory:
             return memory, command
-        ends = states_by_drive(q, reference.v, u.theta, u.theta_dot)
+        ends = drive_states(machine.drives, q, reference.v, u.theta, u.theta_dot)
         moved = [
             strains.flat(strains.moved(drive, before, _a_period_ago(end, measurement.period), end))
             for drive, before, end in zip(drives, held, ends, strict=True)

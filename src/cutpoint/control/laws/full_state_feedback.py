@@ -7,9 +7,10 @@ import numpy as np
 
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.laws.feedforward import Feedforward
-from cutpoint.control.laws.model_law import ModelLaw, states_by_drive
+from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, spring_torque_and_rate
+from cutpoint.mechanics.elastic_forward import drive_states
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -49,11 +50,12 @@ class FullStateFeedback(ModelLaw):
         memory, wanted = self._feedforward.step(memory, measurement, reference)
         m, r = measurement, reference
         feedback = self.kp * (wanted.theta - m.theta) + self.kd * (wanted.theta_dot - m.theta_dot)
-        now = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
-        then = states_by_drive(r.q, r.v, wanted.theta, wanted.theta_dot)
-        drives = zip([d.drive for d in self.model.drives], now, then, self.lead, strict=True)
+        drives = self.model.drives
+        now = drive_states(drives, m.q, m.v, m.theta, m.theta_dot)
+        then = drive_states(drives, r.q, r.v, wanted.theta, wanted.theta_dot)
         # excess of the spring's torque over the desired one
-        excess = [_led(drive, at, lead) - _led(drive, wish, lead) for drive, at, wish, lead in drives]
+        each = zip(drives, now, then, self.lead, strict=True)
+        excess = [_led(d.drive, at, lead) - _led(d.drive, wish, lead) for d, at, wish, lead in each]
         # the feedback is scaled by 1 / share, since the true rotor has that many times the shaped inertia
         share = self._share
         torque = wanted.torque + feedback / share + (1 - 1 / share) * np.array(excess)

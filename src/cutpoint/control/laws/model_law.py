@@ -11,7 +11,6 @@ from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.door import as_numbers
 from cutpoint.errors import InputError
-from cutpoint.mechanics.drives.harmonic_drive import DriveState
 from cutpoint.robot import Robot, check_robot
 
 
@@ -78,11 +77,6 @@ def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
         if drive.is_elastic and drive.is_coupled:
             why = f"the rotor of {name!r} has full coupling, so links feel more than their springs"
             raise InputError(f"{law}: {why}; use {remedy}", joint=name)
-
-
-def states_by_drive(q: Any, v: Any, theta: Any, theta_dot: Any) -> list[DriveState]:
-    """The state of each drive, from link and motor coordinates and speeds, (n,) each."""
-    return [DriveState(*x) for x in zip(q, v, theta, theta_dot, strict=True)]
 
 
 def without_springs(robot: Robot) -> Robot:

@@ -7,6 +7,7 @@ import numpy as np
 
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.laws.model_law import ModelLaw, without_springs
+from cutpoint.control.laws.required_velocity import required_rates
 from cutpoint.control.laws.side import Side, SidedLaw
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import friction_of_both_sides, friction_torque, rigidly_transmitted
@@ -37,13 +38,13 @@ class RigidLaw(SidedLaw, ModelLaw):
         super().__post_init__()
 
     def required_motion(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, ...]:
-        """q, v, v_r = v_d + Lambda (q_d - q), its derivative a_r, and s = v_r - v.  Slotine and Li (1987).
+        """q, v, v_r = v_d + Lambda (q_d - q), its derivative a_r, and s = v_r - v.
 
-        position_gain: Lambda, 1/s.  (n,) each, on the law's side.
+        Slotine and Li (1987); Xia (2019) eq. (12).  position_gain: Lambda, 1/s.  (n,) each, on the law's side.
         """
         q, v, q_d, v_d = self.seen(measurement, reference)
-        v_r = v_d + position_gain * (q_d - q)
-        return q, v, v_r, reference.a + position_gain * (v_d - v), v_r - v
+        v_r, a_r = required_rates(position_gain, (q_d, v_d, reference.a), (q, v))
+        return q, v, v_r, a_r, v_r - v
 
     def required_effort(self, position_gain: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
         """s, and the rigid model's torques for the required motion, friction included, N m; (n,) each."""

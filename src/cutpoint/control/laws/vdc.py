@@ -14,22 +14,15 @@ from cutpoint.control.gains import gain_matrices
 from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.laws import command_filter
 from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
-from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling, states_by_drive
+from cutpoint.control.laws.model_law import ModelLaw, check_no_full_coupling
+from cutpoint.control.laws.required_velocity import required_velocity
 from cutpoint.definitions import Machine
 from cutpoint.door import check_choice
 from cutpoint.errors import InputError
+from cutpoint.mechanics.elastic_forward import drive_states
 from cutpoint.mechanics.link_motion import link_motion, torques_on_links
 from cutpoint.mechanics.required_dynamics import quasi_rigid, required_efforts
 from cutpoint.scalars import Jet, value_of
-
-
-def required_velocity(position_gain: Any, desired: Any, actual: Any) -> list[Jet]:
-    """v_r = v_d + Lambda (q_d - q), with as many derivatives as `actual` has speeds.  Xia (2019) eq. (12).
-
-    desired: q_d, v_d and its derivatives, (k, n); actual: q, v and its derivatives, (k - 1, n).
-    """
-    rates = [d_next + position_gain * (d - x) for d, d_next, x in zip(desired, desired[1:], actual, strict=False)]
-    return [Jet(*x) for x in zip(*rates, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +94,7 @@ class VDC(ModelLaw):
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memory, v_r, tau_r = self.required(memory, measurement, reference)
         m, drives = measurement, self.machine.drives
-        states = states_by_drive(m.q, m.v, m.theta, m.theta_dot)
+        states = drive_states(drives, m.q, m.v, m.theta, m.theta_dot)
         joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
         subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
         commands = [joint_command(d.drive, *subsystem) for d, *subsystem in subsystems]

@@ -120,7 +120,8 @@ class Guard(Wrapper):
         severity = maximum(memory.severity, severity)
         # remaining share of the last safe torque
         ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
-        share = where(severity > 2, 0.0, where(severity > 1, ramped, memory.share))
+        share = where(severity >= SEVERITY["ramp"], ramped, memory.share)
+        share = where(severity >= SEVERITY["stop"], 0.0, share)
         safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
         held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
         torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)

@@ -7,19 +7,20 @@ import numpy as np
 
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.uncertainty import FRICTION, Parameter
+from cutpoint.model.units import SLIDING
 from cutpoint.robot import Robot
 
 Path = tuple[str, ...]
 
 UNITS = {
-    "m": ("kg", "kg"),
-    "h": ("kg m", "kg m"),
-    "I": ("kg m2", "kg m2"),
-    "I_m": ("kg m2", "kg"),
-    "viscous": ("N m s/rad", "N s/m"),
-    "per_load": ("1", "1"),
+    "m": "kg",
+    "h": "kg m",
+    "I": "kg m2",
+    "I_m": "kg m2",
+    "viscous": "N m s/rad",
+    "per_load": "1",
 }
-"""Units by the start of a parameter's name, for revolute and prismatic joints; others are torques."""
+"""Units by the start of a parameter's name, of links and joints that turn; others are torques."""
 
 
 OF_JOINTS = ("I_m", *FRICTION, "offset")
@@ -82,7 +83,8 @@ def _of_parameter(robot: Robot, p: Parameter) -> Number:
     terms = [term.partition(".")[0].split()[-1] for term in re.split(" [+-] ", p.name)]
     slides = joint in robot.mechanism.sliding
     kind = kind if joint else next((term for term in terms if term != "I_m"), kind)
-    unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], ("N m", "N")))[slides]
+    unit = UNITS.get(kind, UNITS.get(kind.split("_")[0], "N m"))
+    unit = SLIDING.get(unit, unit) if slides else unit
     path, scale = _place(robot, kind, joint)
     return Number(joint, p.name, unit, p.value, p.low, p.high, p.physical, p.prior, p.told, p.why, path, scale)
 

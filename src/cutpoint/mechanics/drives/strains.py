@@ -25,6 +25,11 @@ UNKNOWN = Strains()
 """Friction as in steady sliding, and no hysteresis."""
 
 
+def or_unknown(strains: Sequence[Strains] | None, drives: Sequence[Any]) -> Sequence[Strains]:
+    """Those of each drive, or none known."""
+    return [UNKNOWN] * len(drives) if strains is None else strains
+
+
 def count(drive: Drive) -> int:
     """How many strains a drive has."""
     return len(names(drive))

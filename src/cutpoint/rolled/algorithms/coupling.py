@@ -42,7 +42,8 @@ def let_spin(columns: Columns) -> Pass:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
         assert own is not None
         M, P = resistance_of(borne)
-        return packed_resistance(*forward_dynamics.let_spin(own, M, P, Vec3(*omega), A, speed[0], alpha[0]))
+        spun = forward_dynamics.let_spin(own, own.inertia, M, P, Vec3(*omega), A, speed[0], alpha[0])
+        return packed_resistance(*spun)
 
     reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "borne")
     return Pass("inward", Stage(spins, reads, ("borne",)))

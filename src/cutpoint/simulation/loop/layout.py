@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.interface import Command, Measurement, Reference, completed
+from cutpoint.control.sensors import SAMPLED
 from cutpoint.scalars import Scalar
 
 Array = NDArray[np.float64]
@@ -34,8 +35,8 @@ class Layout:
 
     def seen(self, measured: Any, row: Any, period: Scalar) -> tuple[Measurement, Reference]:
         """The measurement for a controller."""
-        q, theta, v, theta_dot = (array_of(measured[k * self.n : (k + 1) * self.n]) for k in range(4))
-        return Measurement(row[0], period, q, v, theta, theta_dot), self.reference(row)
+        given = {name: array_of(measured[k * self.n : (k + 1) * self.n]) for k, name in enumerate(SAMPLED)}
+        return Measurement(row[0], period, **given), self.reference(row)
 
     def command(self, command: Command, row: Any) -> Scalars:
         """A command as recorded: a missing motor reference is taken from the links'."""

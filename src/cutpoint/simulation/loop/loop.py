@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cutpoint.control.held_state import as_it_was
 from cutpoint.control.interface import numbers_after, stepped
-from cutpoint.control.sensors import Encoders
+from cutpoint.control.sensors import SAMPLED, Encoders
 from cutpoint.errors import TraceError
 from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.drives.motor import within_limits
@@ -134,7 +134,7 @@ class ClosedLoop:
     def sense(self, state: Scalars, sensing: Scalars, noise: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
         given = self._given(parameters)
         places = [own.at for own in by_drive(given.machine, self.lanes.dense(state))]
-        sample = [getattr(at, name) for name in ("q", "theta", "v", "theta_dot") for at in places]
+        sample = [getattr(at, name) for name in SAMPLED for at in places]
         return given.encoders.measure(sample, sensing, noise, given.period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, law: Scalars) -> tuple[Scalars, Scalars]:

@@ -122,7 +122,7 @@ class PlantStages:
         for d, now, start, u, old, h, speeds in zip(drives, own, past, torque, before, held, added, strict=True):
             effort, electric = drive_rates(d, now, start, arrived(d, u, old, elapsed[0], steps[0]))
             effort = resisted(d, effort, from_memory(d, h), speeds)
-            found.append([effort.on_link, effort.left, *(electric or [0])])
+            found.append([effort.on_link, effort.net, *(electric or [0])])
         return _by_field(found)
 
     def accelerate(
@@ -133,9 +133,9 @@ class PlantStages:
         s = split(machine, self.lanes.dense(state))
         found: list[DriveEffort] = []
         numbers = (_by_drive(self.lanes.dense(region), n) for region in (resistance, efforts))
-        for d, held, (on_link, left, _) in zip(machine.drives, *numbers, strict=True):
+        for d, held, (on_link, net, _) in zip(machine.drives, *numbers, strict=True):
             h = from_memory(d.drive, held)
-            found.append(DriveEffort(on_link, left, None, h.mobility, h.inertia, h.follows))
+            found.append(DriveEffort(on_link, net, None, h.mobility, h.inertia, h.follows))
         q, pushed = self._angles(s.q, self.lanes.dense(turns)), self.layout.disturbance(row)
         a, theta_ddot = driven_accelerations(*machine, q, s.v, s.theta_dot, found, pushed)
         return self.lanes.padded([*a, *theta_ddot])

@@ -1,5 +1,8 @@
 """Check after a run with fixed steps: whether the states it reached would have needed shorter ones."""
 
+from collections.abc import Collection
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,27 +29,42 @@ HARDENS = 4.0
 by the root of how much."""
 
 
-def check_steps(robot: Robot, log: Log) -> None:
-    """Warns if, according to the log, shorter steps were needed: for waves of fast motors, fast turning of bodies, or
-    modes of springs that stiffened."""
-    taken, longest = log.meta["substeps"], SETTINGS[log.meta["accuracy"]]
+class TooFew(NamedTuple):
+    """Integration steps per control period that a run would have needed, those that it took, and why."""
+
+    asked: int
+    taken: int
+    happened: str
+    cause: str
+
+
+def check_steps(robot: Robot, log: Log) -> list[TooFew]:
+    """Why, according to the log, shorter steps were needed: waves of fast motors, fast turning of bodies, or modes of
+    springs that stiffened."""
+    taken, longest, found = log.meta["substeps"], SETTINGS[log.meta["accuracy"]], list[TooFew]()
     if taken >= MOST_SUBSTEPS:
-        return
+        return found
+
+    def check(happened: str, limit: Limit, step: float, allowed: float) -> None:
+        asked = log.meta["control_period"] * limit.rate / step
+        if asked > allowed * taken:
+            found.append(TooFew(int(np.ceil(asked)), taken, happened, limit.cause))
+
     if "theta_dot" in log:
-        wave = fastest_wave(robot, log.max("theta_dot"))
-        _warn("reached speeds at which", wave, longest.wave, ALLOWED, log)
+        check("reached speeds at which", fastest_wave(robot, log.max("theta_dot")), longest.wave, ALLOWED)
     if (turn := _fastest_turn(robot, log)).rate:
-        _warn("reached speeds at which", turn, longest.turn, 1.0, log)
+        check("reached speeds at which", turn, longest.turn, 1.0)
     if "theta" in log and "q" in log and (wound := _stiffest(robot, log)):
         mode, stiffer = wound
-        _warn("wound springs until", mode, longest.mode * min(1.0, np.sqrt(HARDENS / stiffer)), STIFFER, log)
+        check("wound springs until", mode, longest.mode * min(1.0, np.sqrt(HARDENS / stiffer)), STIFFER)
+    return found
 
 
-def _warn(what: str, limit: Limit, longest: float, allowed: float, log: Log) -> None:
-    taken, asked = log.meta["substeps"], log.meta["control_period"] * limit.rate / longest
-    if asked > allowed * taken:
-        asked = int(np.ceil(asked))
-        told = f"the run {what} {limit.cause} would take {asked} integration steps per control period"
+def warn_of(found: Collection[TooFew], who: str = "the run") -> None:
+    """Warns at the user's line, once for each thing that happened; for the cause that needs most steps."""
+    for happened in dict.fromkeys(each.happened for each in found):
+        asked, taken, _, cause = max(each for each in found if each.happened == happened)
+        told = f"{who} {happened} {cause} would take {asked} integration steps per control period"
         warn(f"{told}, but {taken} were taken: give substeps={asked}", StiffnessWarning)
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
-from cutpoint.simulation.control_kernel import MEASURED, REFERENCE, law_kernel, law_memory
+from cutpoint.control.sensors import SAMPLED
+from cutpoint.simulation.control_kernel import REFERENCE, law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.studies.compare.bench import USUAL, Bench
 from cutpoint.studies.compare.matching import Match
@@ -25,7 +26,7 @@ def step_times(bench: Bench, matches: Mapping[str, Match]) -> dict[str, float]:
 def _call(bench: Bench, match: Match) -> Callable[[], object]:
     """A step on the way."""
     sample = bench.move(USUAL)(0.3 * USUAL)
-    measured = dict(zip(MEASURED, (sample.q, sample.q + 1e-3, sample.v, sample.v), strict=True))
+    measured = dict(zip(SAMPLED, (sample.q, sample.q + 1e-3, sample.v, sample.v), strict=True))
     wanted = dict(zip(REFERENCE, sample, strict=True))
     given = [np.ascontiguousarray(x) for x in (*measured.values(), *wanted.values())]
     law = _Remembering(match.law)
