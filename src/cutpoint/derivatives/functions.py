@@ -44,7 +44,7 @@ class ElasticInverseDynamicsDerivatives(NamedTuple):
 class ElasticForwardDynamicsDerivatives(NamedTuple):
     """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque).
 
-    Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
+    Each (..., rows, columns).  Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
     """
 
     d_a_d_q: Array
@@ -60,7 +60,15 @@ class ElasticForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives[Array]:
-    """Derivatives of `Robot.inverse_dynamics`, the joint torques of a motion."""
+    """Derivatives of the joint torques of `Robot.inverse_dynamics`: d_q, d_v and d_a, each (..., nv, nv).
+
+    q (..., nq) in rad (m), v and a (..., nv) in rad/s and rad/s2 (m/s, m/s2).  A row for each torque, N m (N); d_q in
+    N m/rad, along the tangent directions of `Robot.integrate`.
+
+    Raises:
+        InputError: a wrong shape, a number that is not finite or beyond 1e15, or a robot of too many bodies: more than
+            4000, or than 500 where loops do not support it.
+    """
     if made := _kernels_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
@@ -70,7 +78,16 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives[Array]:
-    """Derivatives of `Robot.forward_dynamics`, the accelerations under joint torques."""
+    """Derivatives of the accelerations of `Robot.forward_dynamics`: d_q, d_v and d_tau, each (..., nv, nv).
+
+    q (..., nq) in rad (m), v (..., nv) in rad/s (m/s), tau (..., nv) in N m (N).  A row for each acceleration, rad/s2
+    (m/s2); d_q is along the tangent directions of `Robot.integrate`.
+
+    Raises:
+        InputError: as for `inverse_dynamics`; of a large robot also a mass matrix that is singular to rounding, or
+            accelerations beyond 1e15.
+        ModelError: a joint can move without moving any inertia.
+    """
     if made := _kernels_of(robot).functions.get(("forward_dynamics_derivatives", None)):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
@@ -93,9 +110,16 @@ def elastic_inverse_dynamics(
     friction_rates: bool = False,
     quasi_rigid: bool = False,
 ) -> ElasticInverseDynamicsDerivatives:
-    """Derivatives of the motor torques of `Robot.elastic_inverse_dynamics`: see there for options and higher rates.
+    """Derivatives of the motor torques of `Robot.elastic_inverse_dynamics`, each (..., drives, nv).
 
-    Strains are not supported.
+    q (..., nq) in rad (m); v, a, jerk, snap and higher rates (..., nv) in rad/s, rad/s2, ...: as many as
+    `Robot.derivatives_needed` says, four with quasi_rigid.  A row for each motor torque, N m (N) at the joint's side;
+    d_q is along the tangent directions of `Robot.integrate`.  Options are as there, but for strains: friction is that
+    of steady sliding, and springs have no hysteresis.
+
+    Raises:
+        InputError: a wrong shape, another number of rates, a number that is not finite or beyond 1e15, an option that
+            is not True or False, or more than 4000 bodies, 48 where loops do not support the robot.
     """
     check_truths("derivatives.elastic_inverse_dynamics", friction_rates=friction_rates, quasi_rigid=quasi_rigid)
     options, kernels = Options(friction_rates, quasi_rigid), _kernels_of(robot)
@@ -111,7 +135,15 @@ def elastic_inverse_dynamics(
 def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
 ) -> ElasticForwardDynamicsDerivatives:
-    """Derivatives of `Robot.elastic_forward_dynamics`, the accelerations of links and motors under motor torques."""
+    """Derivatives of the accelerations of `Robot.elastic_forward_dynamics`, of the links and of the motors.
+
+    q (..., nq) and theta (..., drives) in rad (m), v (..., nv) and theta_dot (..., drives) in rad/s (m/s), motor_torque
+    (..., drives) in N m (N) at the joint's side.  Those by q are along the tangent directions of `Robot.integrate`.
+    Friction is that of steady sliding, and springs have no hysteresis.
+
+    Raises:
+        InputError, ModelError: as for `forward_dynamics`.
+    """
     if made := _kernels_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
     name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
