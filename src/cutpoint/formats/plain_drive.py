@@ -6,7 +6,11 @@ from cutpoint.model.mechanism import Joint
 
 
 def drive_of(joint: Joint) -> Drive:
-    """The drive of a joint that no drive file mentions: rigid, no gear, and the friction that its robot file states."""
+    """The drive of a joint that no drive file mentions: rigid, ratio 1, and the friction that its robot file states.
+
+    joint: of a mechanism, `robot.mechanism.bodies[k].joint`.  Its `friction`, N m (N), and `damping`, N m s/rad
+    (N s/m), become Coulomb friction on the link's side, smoothed as by default; there is none if both are 0.
+    """
     if joint.damping == 0.0 and joint.friction == 0.0:
         return Drive()
     return Drive(link_friction=Coulomb(joint.friction, joint.damping))

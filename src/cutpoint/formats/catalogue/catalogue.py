@@ -26,12 +26,15 @@ _NOT_THE_ACTUATORS = ("maker", "series", "size", "ratio", "inertia", "mass")
 
 
 def catalogue_names() -> tuple[str, ...]:
-    """All gears and actuators, in the catalogue's order."""
+    """Names of all gears and actuators, in the catalogue's order."""
     return tuple(_gears())
 
 
 def catalogue_gear(name: str) -> CatalogueGear:
-    """A gear's or actuator's catalogue data.  Raises ModelError for an unknown name."""
+    """A gear's or actuator's data in the maker's units (arcmin, rpm, h), each group with its source.
+
+    Raises ModelError for an unknown name.
+    """
     if (gear := _gears().get(name)) is None:
         raise ModelError(unknown_gear(name), name=name)
     return gear
@@ -43,12 +46,19 @@ def catalogue_friction(name: str) -> InputFriction:
 
 
 def entry_of(name: str) -> dict[str, Any]:
-    """The drive-file entry from the catalogue; fields without data are left out.  Errors as in `catalogue_gear`."""
+    """A gear or actuator as an entry of a drive file, in its units: a dict of fields, without those that lack data.
+
+    The circular spline is fixed, and the flexspline turns the joint.  Errors as in `catalogue_gear`.
+    """
     return drive_entry(catalogue_gear(name), catalogue_friction(name))
 
 
 def catalogue_drive(name: str) -> Drive:
-    """The drive of a revolute joint, by its catalogue name.  Errors as in `catalogue_gear`."""
+    """A gear or actuator as the drive of a revolute joint, with whatever its data sheet tells.
+
+    The circular spline is fixed, so the ratio is negative.  A gear's rotor is its wave generator alone: the motor's
+    inertia has to be added.  Errors as in `catalogue_gear`.
+    """
     section = Section(name, YamlDocument("catalogue", {}, {}), ((),))
     return to_drive(section.read(DriveSheet, entry_of(name)), section)
 

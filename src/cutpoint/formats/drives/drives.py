@@ -34,8 +34,9 @@ OF_A_SPRING = ("damping", "backlash", "hysteresis", "kinematic_error")
 
 
 def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] = ()) -> dict[str, Drive]:
-    """The drives that a file gives to joints of a robot, by joint.
+    """The drives that a file gives to joints of a robot, by joint; docs/drive-file.md has its fields.
 
+    mechanism: the robot's, `robot.mechanism`.
     locked: joints whose drives are ignored, since they are held fixed.
     Warns, DegreesWarning, of position limits that look like degrees; UnitsWarning, of numbers in a data sheet's units.
     Raises ModelError, with file and line, for whatever is wrong in the file or does not fit the robot.
@@ -48,7 +49,11 @@ def load_drives(path: str | Path, mechanism: Mechanism, locked: Collection[str] 
 def parse_drives(
     content: str | bytes, mechanism: Mechanism, place: str = "<string>", locked: Collection[str] = ()
 ) -> dict[str, Drive]:
-    """The drives of a drive file in memory; `place` names it in messages.  Errors as in `load_drives`."""
+    """The drives of a drive file in memory, by joint.
+
+    content: its text, or a file's bytes, UTF-8.  place: its name in messages.  Other arguments, warnings and errors are
+    those of `load_drives`; content that is neither text nor bytes, or no mechanism, raises InputError.
+    """
     check_kind("parse_drives", "content", content, (str, bytes), "the text of a drive file (load_drives reads files)")
     check_kind("parse_drives", "mechanism", mechanism, Mechanism, "a Mechanism, as robot.mechanism")
     document = parse_yaml(content.encode() if isinstance(content, str) else content, place)

@@ -66,7 +66,8 @@ def load_mjcf(
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
     without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
     If the file uses such a name itself, underscores are appended.
-    Raises ModelError: the `mujoco` package is missing, or what is wrong in the file.
+    Raises ModelError: the `mujoco` package is missing, what is wrong in the file or in gravity, or what cannot be
+    locked.
     """
     path = path_of("load_mjcf", path)
     root = parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path))
@@ -81,8 +82,13 @@ def parse_mjcf(
     gravity: ArrayLike | None = None,
     lock: Mapping[str, float] | None = None,
 ) -> MjcfRobot:
-    """The robot of an MJCF document in memory; `place` names it in messages.  Options and errors as in `load_mjcf`;
-    it opens no other file."""
+    """The robot of an MJCF document in memory.
+
+    content: its text, or a file's bytes.  No other file is opened: <include> is an error, and so is a body whose
+    inertia would come from a mesh file.  place: its name in messages; a document that does not name its robot names it
+    after this.  Options, warnings and errors are those of `load_mjcf`; content that is neither text nor bytes raises
+    InputError.
+    """
     check_kind("parse_mjcf", "content", content, (str, bytes), "the text of an MJCF file (load_mjcf reads files)")
     return _robot(parse_xml(content, place), place, gravity, lock, {})
 

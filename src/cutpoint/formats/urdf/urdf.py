@@ -67,10 +67,15 @@ def load_urdf(
 ) -> Mechanism:
     """The robot of a URDF file, or of a .xacro file if the `xacro` package is installed.
 
-    gravity, floating_base, lock, mend_inertia: as `model.build` has them.
+    gravity: acceleration of free fall in the world's frame, (3,), m/s2.
+    floating_base: whether a floating joint, "root_joint", carries the root link; otherwise it is fixed to the world.
+    lock: coordinates (rad or m) at which joints are held fixed, by name.
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
+    mend_inertia: increase physically impossible inertias until they are possible, with a warning.
     xacro: arguments of a .xacro file, by name.
-    Raises ModelError, with file and line, for whatever is wrong in the file.
+    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias, which are left out.
+    Raises ModelError, with file and line, for whatever is wrong in the file, for gravity, and for what cannot be
+    locked; InputError for other arguments.
     """
     path = path_of("load_urdf", path)
     content = read_bytes(path, MAXIMUM_BYTES)
@@ -99,7 +104,12 @@ def parse_urdf(
     mimic: Literal["independent", "coupled"] = "independent",
     mend_inertia: bool = False,
 ) -> Mechanism:
-    """The robot of a URDF document in memory; `place` names it in messages.  Options and errors as in `load_urdf`."""
+    """The robot of a URDF document in memory.
+
+    content: its text, or a file's bytes; xacro must have been expanded.  place: its name in messages; a document that
+    does not name its robot names it after this.  Options, warnings and errors are those of `load_urdf`; content that is
+    neither text nor bytes raises InputError.
+    """
     if mimic not in ("independent", "coupled"):
         raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
     check_kind("parse_urdf", "content", content, (str, bytes), "the text of a URDF (load_urdf reads files)")
