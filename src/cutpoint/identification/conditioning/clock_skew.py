@@ -60,7 +60,9 @@ def clock_skew(
     """The delay tau that makes x(t) = g y(t - tau) + a slow function fit best, between samples too.
 
     x: (N,), and y: (N,) or (N, n), on one uniform time; NaN where not known.  A positive delay: x is later than y.
-    law: other functions of y than y itself, with weights to be fitted; see `torque_laws.py`.
+    period: s between samples.
+    law: other functions of y than y itself, with weights to be fitted: `single_joint_torque`, `arm_torque(robot,
+    joint)`, or any of y (N, n) and its first two derivatives that returns (N, functions).
     Raises InputError: channels too short, a y that does not move, or a best delay beyond LARGEST_SKEW.
     """
     period = positive("clock_skew", "period", period, "s")

@@ -91,10 +91,13 @@ def low_pass_together(channels: Sequence[Array], period: float, cutoff: float) -
 
 
 def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
-    """First or second time derivative of values (N, ...) by central differences; NaN at edges.
+    """First or second time derivative of values (N, ...) by central differences; NaN at edges and beside gaps.
 
+    period: s between samples.  order: 1 or 2.
     A component at a tenth of the sampling rate is scaled by 0.935 (0.967 for the second derivative), slower ones by
     nearly 1, and noise grows with its frequency: low-pass first.
+
+    Raises InputError: fewer than 3 samples, no numbers, a period that is not positive, or another order.
     """
     if whole("derivative", "order", order) > 2:
         raise InputError(f"derivative: order {order} must be 1 or 2", order=order)

@@ -14,16 +14,19 @@ CROSSING = 0.05
 
 
 def single_joint_torque(q: Array, v: Array, a: Array) -> Array:
-    """The torque of a joint that moves alone, q (N, 1): inertia, friction, gravity.
+    """Components of the torque of a joint that moves alone, a law for `clock_skew`: inertia, friction, gravity.
 
+    q, v, a: its motion, (N, 1) arrays, rad, rad/s, rad/s2; they are not checked.  Returns (N, 5), whose columns are a,
+    v, the smoothed sgn of v, sin q and cos q; (N, 4), without sgn, of a joint at rest.
     On an arm whose other joints move too, their reactions on this one look like a delay: use `arm_torque`.
     """
     return np.column_stack([a, _friction(v), np.sin(q), np.cos(q)])
 
 
 def arm_torque(robot: Robot, joint: str) -> Law:
-    """The torque of one joint of an arm, from the motion of all joints: rigid bodies of any inertia, rotor, friction.
+    """Components of the torque of one joint of an arm, from the motion of all: rigid bodies, rotor, friction.
 
+    A law for `clock_skew`, whose y is then q (N, n) of all joints, in the robot's order.
     Raises InputError for an unknown joint.
     """
     check_robot("arm_torque", robot)

@@ -38,7 +38,17 @@ def read_recording(
 
 
 def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) -> Recording:
-    """The recording that a mapping makes of a table.  Errors as in `read_recording`."""
+    """The recording that a mapping makes of a table.
+
+    Args:
+        table: of `read_table`.
+        mapping: of `load_mapping` or `parse_mapping`.
+        robot: as in `read_recording`.
+
+    Raises:
+        ModelError: a mismatch of the mapping with the table or the robot; with file and line if it is from a file.
+        InputError: no table or mapping, times that cannot be ordered, or positions in degrees.
+    """
     check_kind("recording_of", "table", table, Table, "a Table (read_table reads files)")
     check_kind("recording_of", "mapping", mapping, ChannelMap, "a ChannelMap (load_mapping reads files)")
     columns = {name: columns_of(name, mapping, table) for name in mapping.quantities}
