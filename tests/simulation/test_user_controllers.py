@@ -88,6 +88,41 @@ def test_branches_are_written_with_where():
     assert np.array_equal(log["command_torque"], np.where(error > 0, 2.0, -2.0))
 
 
+def test_choices_between_arrays_compile_and_are_made_element_by_element():
+    def limited(memory: Any, m: Any, r: Any) -> Any:
+        pushed = cutpoint.clip(800.0 * (r.theta - m.theta), -20.0, 20.0) - 30.0 * m.theta_dot
+        is_slow = np.less(cutpoint.absolute(m.v), 0.1, dtype=object)
+        return memory, cutpoint.where(is_slow, pushed, cutpoint.minimum(pushed, 15.0)) + cutpoint.atan2(m.v, 1.0)
+
+    def by_hand(memory: Any, m: Any, r: Any) -> Any:
+        pushed = np.clip(800.0 * (r.theta - m.theta), -20.0, 20.0) - 30.0 * m.theta_dot
+        return memory, np.where(np.abs(m.v) < 0.1, pushed, np.minimum(pushed, 15.0)) + np.arctan2(m.v, 1.0)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UntracedControllerWarning)
+        compiled = run(limited)
+    with pytest.warns(UntracedControllerWarning, match="NumPy's clip, maximum, where and sign cannot be compiled"):
+        called_back = run(by_hand)
+    assert_close(compiled["q"], called_back["q"])
+
+
+@pytest.mark.parametrize(
+    "step, remedy",
+    [
+        (lambda tau, m: tau.__setitem__(0, m.q[0]), "fill arrays made with dtype=object"),
+        (lambda tau, m: tau.__iadd__(m.q), r"into an array of floats: write x = x \+ y"),
+    ],
+)
+def test_arrays_of_floats_that_traced_numbers_are_written_into_are_named(step, remedy):
+    def law(memory: Any, m: Any, r: Any) -> Any:
+        tau = np.zeros(6)
+        step(tau, m)
+        return memory, tau
+
+    with pytest.warns(UntracedControllerWarning, match=remedy):
+        simulate(robot("xia2019"), law, duration=2e-3)
+
+
 def test_a_law_may_make_the_motors_reference_that_the_others_track():
     def ahead(memory: Any, m: Any, r: Any) -> Any:
         return memory, Command(np.zeros(6), 0, r.q + 0.01, r.v)

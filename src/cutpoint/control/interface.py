@@ -64,7 +64,7 @@ class Controller(Protocol):
     A law with memory also has `start()`, which gives the memory before the first step: any record of numbers.
     """
 
-    def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Any]:
+    def step(self, memory: Any, measurement: Measurement, reference: Reference, /) -> tuple[Any, Any]:
         """One control period: the memory after it, and the command."""
         ...
 
@@ -167,6 +167,8 @@ def _returned(law: Controller, memory: Any, measurement: Measurement, reference:
 def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
     """Raises a TraceError that says where a step failed, and what to write instead."""
     told = f"step of {name_of(law)} fails with traced numbers, {type(error).__name__}: {error}"
+    if "Cannot cast ufunc" in str(error):
+        told += "; +=, -=, *= and /= write traced numbers into an array of floats: write x = x + y"
     if isinstance(error, InputError):
         told += (
             "; methods of a Robot take plain numbers only, functions of cutpoint.definitions with robot.machine these"

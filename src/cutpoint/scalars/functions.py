@@ -62,6 +62,8 @@ def atan2(y: Scalar, x: Scalar) -> Scalar:
     """Angle, rad, of the point (x, y) from the x axis, above -pi and up to pi; 0 at the origin."""
     if any(type(n).__module__.partition(".")[0] == "sympy" for n in (y, x)):
         return sys.modules["sympy"].atan2(y, x)
+    if _holds_objects(y) or _holds_objects(x):
+        return np.frompyfunc(atan2, 2, 1)(y, x)
     is_steep = absolute(x) < absolute(y)
     along, across = where(is_steep, y, x), where(is_steep, x, y)
     angle = atan(across / where(absolute(along) <= 0, 1, along))
@@ -114,6 +116,8 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
     known = known_truth(condition)
     if known is not None:
         return yes if known else no
+    if any(map(_holds_objects, (condition, yes, no))):
+        return _where_each(condition, yes, no)
     outermost = max((condition, yes, no), key=lambda x: getattr(x, "level", 0))
     if getattr(outermost, "level", 0):  # a jet of traced values is a jet
         return outermost.where(condition, yes, no)
@@ -122,19 +126,32 @@ def where(condition: Any, yes: Scalar, no: Scalar) -> Scalar:
     return np.where(condition, yes, no)
 
 
+_where_each = np.frompyfunc(where, 3, 1)
+
+
+def _holds_objects(x: Scalar) -> bool:
+    """Whether x is an array of scalars of other kinds than NumPy's."""
+    return isinstance(x, np.ndarray) and x.dtype == object
+
+
+def _is_less(x: Scalar, y: Scalar) -> Any:
+    """x < y; of arrays of any scalars an array of conditions."""
+    return np.less(x, y, dtype=object) if _holds_objects(x) or _holds_objects(y) else x < y
+
+
 def absolute(x: Scalar) -> Scalar:
     """The absolute value of x; -0.0 stays -0.0."""
-    return where(x < 0, -x, x)
+    return where(_is_less(x, 0), -x, x)
 
 
 def minimum(x: Scalar, y: Scalar) -> Scalar:
     """The lesser of the two; NaN where x is NaN, x where y is."""
-    return where(y < x, y, x)
+    return where(_is_less(y, x), y, x)
 
 
 def maximum(x: Scalar, y: Scalar) -> Scalar:
     """The greater of the two; NaN where x is NaN, x where y is."""
-    return where(x < y, y, x)
+    return where(_is_less(x, y), y, x)
 
 
 def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:

@@ -14,7 +14,7 @@ from cutpoint.scalars import leaves
 from cutpoint.simulation.adaptive import ATOL, RTOL, end_period, plant_rates
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
-from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import Moves
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def check_continuous(loop: ClosedLoop) -> None:
         raise InputError(f"simulate: hold=False is for laws, sensors and drives without memory; {what}")
 
 
-def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable[[dict[str, Array], Array], None]:
+def continuous_step(loop: ClosedLoop, trajectory: Moves | None) -> Callable[[dict[str, Array], Array], None]:
     """A function that advances the loop's memory by one period, the controller in the differential equation: DOP853."""
     rates = _Rates(loop, trajectory)
 
@@ -55,7 +55,7 @@ def continuous_step(loop: ClosedLoop, trajectory: Trajectory | None) -> Callable
 class _Rates:
     """dx/dt of the plant with its controller, compiled at the first use."""
 
-    def __init__(self, loop: ClosedLoop, trajectory: Trajectory | None) -> None:
+    def __init__(self, loop: ClosedLoop, trajectory: Moves | None) -> None:
         self._loop, self._trajectory = loop, trajectory
 
     def __call__(self, t: float, x: Array, row: Array, law: Array, parameters: Array) -> Array:

@@ -14,7 +14,7 @@ from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.noise import Noise
 from cutpoint.simulation.plant import State
-from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import Moves
 
 Array = NDArray[np.float64]
 Disturbance = Callable[[Array], ArrayLike]
@@ -26,7 +26,7 @@ MOST_STEPS = 100_000
 """Of integration in a control period: at 1 kHz, 10 ns each."""
 
 
-def sample_times(trajectory: Trajectory | None, duration: float | None, period: float) -> Array:
+def sample_times(trajectory: Moves | None, duration: float | None, period: float) -> Array:
     """Times of control samples, s: from 0 to the duration, as rounded.  Raises InputError: none, or too many."""
     if duration is None:
         if trajectory is None:
@@ -44,7 +44,7 @@ def sample_times(trajectory: Trajectory | None, duration: float | None, period: 
     return np.arange(round(duration / period) + 1, dtype=np.float64) * period
 
 
-def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | None, times: Array) -> Array:
+def reference_at(robot: Robot, trajectory: Moves | None, initial: State | None, times: Array) -> Array:
     """The links' reference with four derivatives, (5, N, drives).  Raises InputError for one that does not fit."""
     n = len(robot.drives)
     if trajectory is None:
@@ -66,7 +66,7 @@ def reference_at(robot: Robot, trajectory: Trajectory | None, initial: State | N
     return reference if is_of_cutpoint(trajectory) else reference.copy()
 
 
-def check_fits(function: str, trajectory: Trajectory, robot: Robot) -> None:
+def check_fits(function: str, trajectory: Moves, robot: Robot) -> None:
     """Raises InputError for a trajectory with another number of joints, or other joint names."""
     n = len(robot.drives)
     if whole(function, "trajectory.size", trajectory.size, least=0) != n:

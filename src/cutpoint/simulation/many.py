@@ -28,7 +28,7 @@ from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps.steps_reached import TooFew, check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps
-from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import Moves
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ class Runs(Sequence[Any]):
 def simulate_many(
     robot: Robot | Sequence[Robot],
     controller: Control | Sequence[Control | None] | None = None,
-    trajectory: Trajectory | Sequence[Trajectory] | None = None,
+    trajectory: Moves | Sequence[Moves] | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,
     initial: State | Sequence[State] | None = None,

@@ -35,7 +35,6 @@ from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
 from cutpoint.simulation.steps.steps_reached import check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps, substeps_for
-from cutpoint.trajectories import Trajectory
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 Array = NDArray[np.float64]
@@ -56,7 +55,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 def simulate(
     robot: Robot,
     controller: Control | None = None,
-    trajectory: Trajectory | None = None,
+    trajectory: Moves | None = None,
     duration: float | None = None,
     control_period: float = 1e-3,
     initial: State | None = None,
@@ -172,7 +171,7 @@ def check_size(robot: Robot) -> None:
         )
 
 
-def _integrator(loop: ClosedLoop, trajectory: Trajectory | None, accuracy: str, hold: bool) -> Any:
+def _integrator(loop: ClosedLoop, trajectory: Moves | None, accuracy: str, hold: bool) -> Any:
     """The integrator from one sample to the next; None for fixed steps."""
     if not hold:
         from cutpoint.simulation.continuous import check_continuous, continuous_step  # with SciPy slow to import

@@ -24,12 +24,15 @@ class Sample(NamedTuple):
 
 @runtime_checkable
 class Moves(Protocol):
-    """Methods that a user's own trajectory must have."""
+    """What a user's own trajectory must have; see `Trajectory`."""
 
-    duration: float
-    size: int
+    @property
+    def duration(self) -> float: ...
 
-    def derivatives(self, t: Any, order: int) -> Array: ...
+    @property
+    def size(self) -> int: ...
+
+    def derivatives(self, t: Any, order: int, /) -> Array: ...
 
 
 A_TRAJECTORY = "a trajectory: one of cutpoint.trajectories, or what has duration, size and derivatives(t, order)"

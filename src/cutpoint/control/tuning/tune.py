@@ -2,7 +2,7 @@
 
 from functools import partial
 from inspect import signature
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,8 +18,37 @@ from cutpoint.door import check_kind, checked_array, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot, check_robot
 
+L = TypeVar("L")
+
 OTHERS = (0.7, 0.5, 0.35, 0.25, 0.18, 0.12, 1.4, 2.0)
 """Of the bandwidth: others that are looked at to see whether they would hold."""
+
+
+@overload
+def tune(
+    robot: Robot,
+    bandwidth: float,
+    *,
+    damping: float = 0.7,
+    q: ArrayLike | None = None,
+    control_period: float = 1e-3,
+    sensors: Sensors | None = None,
+    **options: Any,
+) -> PD: ...
+
+
+@overload
+def tune(
+    robot: Robot,
+    bandwidth: float,
+    law: type[L],
+    *,
+    damping: float = 0.7,
+    q: ArrayLike | None = None,
+    control_period: float = 1e-3,
+    sensors: Sensors | None = None,
+    **options: Any,
+) -> L: ...
 
 
 def tune(

@@ -45,13 +45,17 @@ class Refusals:
 
     def __bool__(self) -> NoReturn:
         refuse(
-            "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min` and `max` cannot be compiled; "
-            "write cutpoint.where(x > 0, yes, no), and `&`, `|`, `~` between conditions; "
-            "for arrays element by element, or with np.less(x, y, dtype=object)"
+            "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min`, `max` and NumPy's clip, "
+            "maximum, where and sign cannot be compiled; write cutpoint.where(x > 0, yes, no), cutpoint.clip, maximum, "
+            "minimum or absolute, and `&`, `|`, `~` between conditions; all take arrays, which are compared by "
+            "np.less(x, y, dtype=object)"
         )
 
     def __float__(self) -> NoReturn:
-        refuse("a traced number has no value yet: use cutpoint.sin, cutpoint.sqrt, ... instead of float() and math's")
+        refuse(
+            "a traced number has no value yet: use cutpoint.sin, cutpoint.sqrt, ... instead of float() and math's, and "
+            "fill arrays made with dtype=object"
+        )
 
     __int__ = __index__ = __complex__ = __float__
 

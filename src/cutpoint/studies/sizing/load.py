@@ -11,7 +11,7 @@ from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
-from cutpoint.trajectories import Trajectory
+from cutpoint.trajectories.trajectory import Moves
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class Load(NamedTuple):
     power: Array
 
 
-def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -> Load:
+def sampled(robot: Robot, trajectory: Moves, period: float, dwell: float) -> Load:
     """The load every `period` s, at least FEWEST times and A_WAVE times a wave, more finely near the highest crests.
 
     After the motion it stands still for dwell, s, in its last position.
@@ -74,7 +74,7 @@ def sampled(robot: Robot, trajectory: Trajectory, period: float, dwell: float) -
     return Load(*map(np.concatenate, zip(moving, pause, strict=True)))
 
 
-def _moving(robot: Robot, trajectory: Trajectory, times: Array) -> Load:
+def _moving(robot: Robot, trajectory: Moves, times: Array) -> Load:
     return load_of(robot, times, trajectory.derivatives(times, 4))
 
 

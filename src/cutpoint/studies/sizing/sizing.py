@@ -20,7 +20,6 @@ from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
 from cutpoint.studies.sizing.load import Load, sampled
 from cutpoint.studies.sizing.margins import Margin
-from cutpoint.trajectories import Trajectory
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ class Sizing:
 
 
 def sizing(
-    robot: Robot, trajectory: Trajectory, *, dwell: float = 0.0, period: float = 1e-3, life: float | None = None
+    robot: Robot, trajectory: Moves, *, dwell: float = 0.0, period: float = 1e-3, life: float | None = None
 ) -> Sizing:
     """What a motion, repeated for ever, asks of the robot's drives, and what of that they are allowed.
 
@@ -103,7 +102,7 @@ def _without_play(robot: Robot) -> Robot:
     return robot if tight == {**robot.drives} else robot.with_drives(tight)
 
 
-def _check(robot: Robot, trajectory: Trajectory, dwell: float, period: float, life: float | None) -> None:
+def _check(robot: Robot, trajectory: Moves, dwell: float, period: float, life: float | None) -> None:
     check_all_driven("sizing", robot, "only what a motor moves can be sized; fix it, or lock it")
     check_kind("sizing", "trajectory", trajectory, Moves, A_TRAJECTORY)
     check_fits("sizing", trajectory, robot)
