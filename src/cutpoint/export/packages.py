@@ -45,6 +45,7 @@ def export_function(
     """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
 
     function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of RESULTS.
+    folder: of the package; created with its parents if missing.  Files that an earlier export wrote are replaced.
     to: "c" or "cuda".  precision: "float64" or "float32".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
@@ -92,11 +93,13 @@ def export_controller(
 ) -> tuple[Path, ...]:
     """Writes one step of a control law as a package of C99, the same step that simulation compiles into its loop.
 
+    folder, name, force: as for `export_function`; returns the files' paths.
     control_period: s.  The header holds as <name>_parameters the law's numbers and the period, and as <name>_memory
     the law's memory before the first step.  Torque limits are not applied.
     precision: "float64", or "float32", where a position at pi rad comes in steps of 2.4e-7 rad, and time after an hour
     in steps of 0.24 ms: a Guard's deadlines need the former.
-    Raises InputError as `export_function` does, TraceError for a law that cannot be traced.
+    Raises InputError as `export_function` does, for a period that is not positive, and for a Guard in single precision;
+    TraceError for a law that cannot be traced.
     """
     check_robot("export_controller", robot)
     check_kind("export_controller", "name", name, str, "the name of a C function")

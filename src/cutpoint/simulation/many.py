@@ -88,12 +88,16 @@ def simulate_many(
     robot, controller, trajectory, initial, sensors and disturbances are one for all runs, or a list or tuple with one
     per run.  Runs with different structures, mechanisms or laws are compiled and packed separately; laws that cannot be
     compiled run one by one as Python callbacks.
-    duration: s; that of the longest trajectory by default.  substeps: by default enough for the most demanding run.
+    duration: s; that of the longest trajectory by default.  control_period: s.  Both are the same for all runs.
+    accuracy: "standard" or "fine", as for `simulate`.  substeps: by default enough for the most demanding run.
     channels: names of the channels to record, as for `simulate`; logs of 10 s with all channels take 7 MB each.
-    each: a function of a log whose result is kept instead, as soon as its pack is done.
+    each: a function of a log whose result is kept instead, as soon as its pack is done; it is called on the pack's
+        thread, and an exception from it ends all runs and is raised.
+    threads: how many packs of four or eight runs are computed at once; more than there are packs gain nothing.  Python
+        callbacks run on the calling thread.
     Runs give what `simulate` gives with as many substeps, to the last bit.  One that diverges does not stop the others.
     Ctrl-C ends all runs, and the results so far are returned.
-    Raises InputError for wrong arguments.
+    Raises InputError for wrong arguments: no list, or lists of different lengths, among them.
     """
     given = {
         "robot": robot, "controller": controller, "trajectory": trajectory, "initial": initial, "sensors": sensors,

@@ -62,13 +62,15 @@ class Margins(NamedTuple):
 def margins(
     robot: Robot, law: Control, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
 ) -> Margins:
-    """Stability margins of the loops of a law with this control period (s), for the robot at rest at q.
+    """Stability margins of the loops of a sampled law, for the robot at rest at q (nq,).
 
-    Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges, with the
-    same arguments and errors.  A fractional delay turns the phase of L in proportion to frequency.
+    Astrom and Murray (2021), Feedback Systems, section 10.3, of the sampled loop that `slowest_pole` judges.  A
+    fractional delay turns the phase of L in proportion to frequency.
+    control_period: s.  sensors: as in `slowest_pole`.
 
     Raises:
-        InputError: also if the loop is not stable to begin with, or has too many states.
+        InputError: as `slowest_pole`; or the loop is not stable to begin with, or has too many states.
+        ModelError, TraceError: as `slowest_pole`.
     """
     loop = sampled_loop("margins", robot, law, q, control_period, sensors)
     if (count := len(loop.alone)) > MOST_STATES:

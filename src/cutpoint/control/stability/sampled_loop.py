@@ -68,7 +68,7 @@ class SmallSignal(NamedTuple):
 def slowest_pole(
     robot: Robot, law: Control, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
 ) -> SampledPole:
-    """The slowest-decaying (or growing) pole of the robot at rest at q under a law with this control period (s).
+    """The slowest-decaying (or growing) pole of the robot at rest at q (nq,) under a sampled law.
 
     The robot is linearised at q and discretised exactly, its motors' current loops and delays included; the law is
     differenced about rest.  Of friction both include the viscous part; not dry friction, whose slope at rest is that of
@@ -77,11 +77,14 @@ def slowest_pole(
     and the command depends on it; clocks and latched faults do not.
 
     The law's reference is chosen so that it carries the robot's load there.
+    control_period: s, from one step of the law to the next; no shorter than a motor's delay.
     sensors: their delay and differenced speeds count, their noise and resolution do not; perfect by default.
 
     Raises:
-        InputError: a joint has no motor; the period is not positive, or shorter than a motor's delay; sensors delay for
-            so long that there are too many poles; the law reports a fault at that pose, or reads missing encoders.
+        InputError: q of a wrong shape; a joint has no motor; the period is not positive, or shorter than a motor's
+            delay; sensors delay for no whole number of periods, or for so long that there are too many poles; the law
+            is for other drives, reports a fault at that pose, or reads missing encoders.
+        ModelError: a joint can move without moving any inertia.
         TraceError: the law is a user's own, and cannot be compiled.
     """
     loop = sampled_loop("slowest_pole", robot, law, q, control_period, sensors)
