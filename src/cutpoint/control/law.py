@@ -90,10 +90,12 @@ class Sum(Law):
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
+        """Whether one of its parts does."""
         return any(makes_reference(part) for part in self.parts)
 
     @property
     def reports_faults(self) -> bool:  # type: ignore[override]
+        """Whether one of its parts does."""
         return self._reporters > 0
 
     @property
@@ -143,10 +145,12 @@ class Wrapper(Law):
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
+        """Whether the law inside does."""
         return makes_reference(self.law)
 
     @property
     def reports_faults(self) -> bool:  # type: ignore[override]
+        """Whether the law inside does."""
         return getattr(self.law, "reports_faults", False)
 
     def inner_start(self) -> Any:

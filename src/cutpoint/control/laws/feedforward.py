@@ -39,6 +39,7 @@ class Feedforward(ModelLaw):
 
     @property
     def makes_motor_reference(self) -> bool:  # type: ignore[override]
+        """Whether its command holds the motors' reference: with rung "elastic"."""
         return self.rung == "elastic"
 
     def start(self) -> Any:

@@ -89,6 +89,7 @@ class VDC(ModelLaw):
         return self.robot.machine_with(self.parameters, lean=self.body_gain is None)
 
     def start(self) -> Any:
+        """State of the command filter; () without one: for rigid drives, and for derivatives from the model."""
         return command_filter.start(self.size) if self._bends and self.derivatives == "filter" else ()
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:

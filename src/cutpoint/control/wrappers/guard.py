@@ -85,6 +85,7 @@ class Guard(Wrapper):
 
     @property
     def reports_faults(self) -> bool:
+        """Whether its command reports faults: always."""
         return True
 
     def __post_init__(self) -> None:
@@ -105,6 +106,7 @@ class Guard(Wrapper):
         return len(self.robot.drives)
 
     def start(self) -> Watch:
+        """No sample yet, no fault, zero torque to hold, and the memory of the law inside."""
         nothing, inner = [0.0] * self.size, with_float_leaves(self.inner_start())
         return Watch(-np.inf, nothing * 4, 0.0, 0.0, 1.0, nothing, nothing, nothing, inner)
 

@@ -42,6 +42,7 @@ class Channel:
 
     @property
     def width(self) -> int:
+        """Number of columns; 1 of values (N,)."""
         return 1 if self.values.ndim == 1 else self.values.shape[1]
 
 

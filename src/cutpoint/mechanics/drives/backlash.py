@@ -27,6 +27,7 @@ class Backlash:
     gap: Scalar
 
     def torque(self, deflection: Scalar) -> Scalar:
+        """Torque, N m, at a deflection in rad: spring.torque(w) w'."""
         wound, passed = self._wound(deflection)
         return self.spring.torque(wound) * passed
 

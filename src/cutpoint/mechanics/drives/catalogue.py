@@ -26,6 +26,7 @@ class CatalogueSpring:
     t2: Scalar
 
     def torque(self, deflection: Scalar) -> Scalar:
+        """Torque, N m (N), at a deflection in rad (m)."""
         size = absolute(deflection)
         torque = self.k1 * size
         for gain, corner in self._corners():

@@ -84,6 +84,10 @@ class Sliding(ABC):
         return [replace(cast(Any, self), **{**nothing, name: 1}).torque(speed) for name in self.coefficients]
 
     def with_coefficients(self, values: list[Scalar]) -> Self:
+        """The same law with these numbers in its `coefficients`, in their order and units.
+
+        Raises ValueError for more or fewer of them.
+        """
         return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
 
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
@@ -97,7 +101,7 @@ class Sliding(ABC):
         return size * (1 / (sqrt(1 + x * x) * self.smoothing)) + self.viscosity
 
     def share_of_load(self, speed: Scalar) -> Scalar:
-        """Friction per unit of load at a speed."""
+        """Friction, N m, per N m of load at a speed."""
         direction = self.direction(speed)
         share = 0 if self.per_load is None else self.per_load * direction
         return share if self.asymmetry is None else share * (1 + self.asymmetry * direction)
@@ -107,7 +111,8 @@ class Sliding(ABC):
 class Stribeck(Sliding):
     """xi = [f_c + (f_s - f_c) exp(-(speed/v_s)^2)] sgn(speed) + f_v speed.  Xia (2019) eq. (54).
 
-    coulomb f_c and static f_s in N m, viscous f_v in N m s/rad, stribeck_velocity v_s and smoothing in rad/s.
+    coulomb f_c and static f_s in N m, viscous f_v in N m s/rad, stribeck_velocity v_s and smoothing in rad/s.  The
+    other fields are those of `Sliding`.
     """
 
     coulomb: Scalar
@@ -130,7 +135,7 @@ class Stribeck(Sliding):
 class Coulomb(Sliding):
     """xi = f_c sgn(speed) + f_v speed.  Xia (2019) eq. (55), with a viscous part.
 
-    coulomb f_c in N m, viscous f_v in N m s/rad, smoothing in rad/s.
+    coulomb f_c in N m, viscous f_v in N m s/rad, smoothing in rad/s.  The other fields are those of `Sliding`.
     """
 
     coulomb: Scalar

@@ -22,11 +22,11 @@ class KinematicError:
     harmonics: tuple[Harmonic, ...]
 
     def value(self, theta: Scalar, ratio: Scalar) -> Scalar:
-        """e(theta), with the wave generator at ratio * theta."""
+        """e(theta), rad, with the wave generator at ratio * theta."""
         return series(self.harmonics, ratio * theta)
 
     def slope(self, theta: Scalar, ratio: Scalar) -> Scalar:
-        """e'(theta)."""
+        """e'(theta), rad/rad."""
         return ratio * series_slope(self.harmonics, ratio * theta)
 
     def steepest(self, ratio: float) -> float:
@@ -34,7 +34,7 @@ class KinematicError:
         return sum(abs(h.order * ratio * h.amplitude) for h in self.harmonics)
 
     def motor_position(self, output: Scalar, ratio: Scalar) -> Scalar:
-        """theta with theta - e(theta) = output, in eight Newton steps."""
+        """theta, rad, with theta - e(theta) = output, in eight Newton steps."""
         return increasing_root(
             lambda theta: theta - self.value(theta, ratio),
             lambda theta: 1 - self.slope(theta, ratio),

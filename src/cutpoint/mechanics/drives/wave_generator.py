@@ -80,16 +80,17 @@ def _stored(x: Scalar) -> Scalar:
 
 @dataclass(frozen=True)
 class HarmonicSpring:
-    """Flexspline (2) and wave generator (3) in series.  Xia (2019) eqs. (2)-(3)."""
+    """Flexspline (2) and wave generator (3) in series, at the joint's side.  Xia (2019) eqs. (2)-(3)."""
 
     flexspline: Flexspline
     wave_generator: WaveGenerator
 
     def deflection(self, torque: Scalar) -> Scalar:
+        """Deflection, rad, at a torque in N m: the sum of both.  Xia (2019) eqs. (2)-(3)."""
         return self.flexspline.deflection(torque) + self.wave_generator.deflection(torque)
 
     def torque(self, deflection: Scalar) -> Scalar:
-        """The inverse law, in eight Newton steps from below: compliance falls with load, so they cannot overshoot.
+        """Torque, N m, at a deflection in rad, in eight Newton steps: compliance falls with load, so none overshoots.
 
         Lower bounds are the line with the slope at rest, and the flexspline's torque at the deflection less the wave
         generator's largest one.  Eight steps suffice for a wave generator at least a tenth as stiff as the flexspline
