@@ -39,12 +39,12 @@ def load(
     drives: a file, or drives by joint name; a joint without one is driven rigidly, with the friction (and an MJCF's
     armature) that the robot file states.
     gravity: acceleration of free fall in the world's frame, m/s2; None is (0, 0, -9.81), or what an MJCF file states.
-    lock: coordinates at which joints are held fixed, by name; their drives are passed over.
-    backend: how kernels are compiled.
+    lock: coordinates (rad or m) at which joints are held fixed, by name; their drives are passed over.
+    backend: how kernels are compiled: "llvm", "numpy", or "auto", LLVM where llvmlite is installed.
     Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
     "coupled" to their leader; mend_inertia adds to inertias that no mass can have what they lack, and warns of it.
     xacro: arguments of a .xacro file, as in {"ur_type": "ur10e"}.
-    Raises ModelError, with file and line, for whatever is wrong in the files.
+    Raises ModelError, with file and line, for whatever is wrong in the files; InputError for other arguments.
     """
     path = path_of("load", path, "a robot file")
     check_kind("load", "drives", drives, (str, PathLike, Mapping, NoneType), f"the path of a drive file, or {DRIVES}")

@@ -148,9 +148,10 @@ class Robot:
     # others like it
 
     def with_drives(self, drives: Mapping[str, Drive]) -> "Robot":
-        """The same robot with these joints' drives replaced; the others keep theirs.
+        """The same robot with these joints' drives replaced, by joint name; the others keep theirs.
 
         If the drives differ in numbers only, both robots share their compiled functions.
+        Raises InputError for an unknown joint, ModelError for a drive that breaks a rule.
         """
         door.check_kind("with_drives", "drives", drives, Mapping, DRIVES)
         other = Robot(self.mechanism, {**self.drives, **drives}, backend=self.backend)
@@ -160,14 +161,16 @@ class Robot:
     def with_payload(self, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> "Robot":
         """The same robot with a payload fixed to a frame: mass (kg), com (3,) (m), inertia about it (3, 3) (kg m2).
 
-        Raises ModelError for numbers that no body can have.
+        com and inertia along the frame's axes.
+        Raises InputError for an unknown frame, ModelError for one fixed to the world, and for numbers that no body can
+        have.
         """
         return Robot(changes.with_payload(self.mechanism, mass, com, inertia, frame), self.drives, backend=self.backend)
 
     def with_gravity(self, gravity: ArrayLike) -> "Robot":
         """The same robot under another gravity: acceleration of free fall (3,) in the world's frame, m/s2.
 
-        Raises ModelError for more than a robot file may state.
+        Raises InputError for another shape, ModelError for more than a robot file may state.
         """
         fall = door.checked_array("with_gravity", "gravity", gravity, 3)
         if fall.ndim != 1:
@@ -212,11 +215,11 @@ class Robot:
         return self._functions["mass_matrix"](q)
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Joint torques (..., nv) at zero acceleration: Coriolis, centrifugal and gravity."""
+        """Joint torques (..., nv), N m (N), at zero acceleration: Coriolis, centrifugal and gravity."""
         return self._functions["bias_forces"](q, v)
 
     def gravity_forces(self, q: ArrayLike) -> Array:
-        """Joint torques (..., nv) that hold the robot at rest against gravity."""
+        """Joint torques (..., nv), N m (N), that hold the robot at rest against gravity."""
         return self._functions["gravity_forces"](q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
@@ -260,7 +263,7 @@ class Robot:
         return made(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
-        """(..., 4, 4): where a frame is in the world."""
+        """(..., 4, 4): pose of a frame: maps its coordinates (m) to those of the world."""
         made = self._known(("frame_pose", frame))
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))
@@ -325,6 +328,8 @@ class Robot:
     ) -> ElasticTorques[Array]:
         """Motor torques and motor motion of a motion of the links, exact.  Xia (2019) eqs. (2), (4)-(11), (21)-(28).
 
+        q (..., nq), its derivatives (..., nv) in rad/s, rad/s2, ... (m/s, ...).  Returns motor_torque, theta, theta_dot
+        and theta_ddot, (..., drives), and joint_torque, (..., nv), in N m, rad, rad/s, rad/s2 (N, m, ...).
         It takes as many derivatives of the position as `derivatives_needed` says: four, and more where bending joints
         carry rotors with full coupling.  quasi_rigid does with four always: rotors act on what carries them as if their
         drives did not bend.
@@ -334,6 +339,7 @@ class Robot:
         Of a damped spring theta_dot is not d theta/dt to the last bit, but off by damping / stiffness times the second
         derivative of its deflection: at each instant `elastic_forward_dynamics` still gives a and theta_ddot back, but
         along a path theta and theta_dot disagree by as much, and motors that follow them let the arm depart from it.
+        Raises InputError for another number of derivatives.
         """
         is_plain = friction_rates is False and quasi_rigid is False and strains is None and not higher
         if is_plain and self.derivatives_needed == 4:
@@ -373,6 +379,8 @@ class Robot:
     ) -> ElasticAccelerations[Array]:
         """Accelerations of links and motors under motor torques, friction included.  Spong (1987).
 
+        q (..., nq), v (..., nv); theta, theta_dot and motor_torque (..., drives).  Returns a (..., nv) and theta_ddot
+        (..., drives), rad/s2 (m/s2); a rigid drive's motor moves as its joint does.
         strains: as in `elastic_inverse_dynamics`.
         """
         if strains is None:
@@ -460,11 +468,17 @@ class Robot:
         return modes(self, q, friction=friction)
 
     def to_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
-        """Joint-side angles (or speeds) or torques (..., drives), converted to the rotor's side."""
+        """Joint-side angles (or speeds) times ratio, or torques over ratio: at the rotor's side, (..., drives).
+
+        Raises InputError unless exactly one of them is given.
+        """
         return self._across_gear("to_rotor", angle, torque, self._ratios)
 
     def from_rotor(self, *, angle: ArrayLike | None = None, torque: ArrayLike | None = None) -> Array:
-        """Rotor-side angles (or speeds) or torques (..., drives), converted to the joint's side."""
+        """Rotor-side angles (or speeds) over ratio, or torques times ratio: at the joint's side, (..., drives).
+
+        Raises InputError unless exactly one of them is given.
+        """
         return self._across_gear("from_rotor", angle, torque, 1 / self._ratios)
 
     # how
@@ -477,6 +491,7 @@ class Robot:
     def machine_with(self, parameters: Sequence[Any], *, lean: bool = False) -> definitions.Machine:
         """The same with other numbers, of any kind, in its drives: see `drive_parameters`.
 
+        Raises InputError for more or fewer of them.
         lean: with frames, inertias and a unit of length that cost least, for functions that tell nothing of single
         bodies or places.
         """
@@ -498,7 +513,9 @@ class Robot:
     def kernel(self, name: str) -> Kernel:
         """The compiled kernel behind a function that has been called: its operations and its graph.
 
-        Where drives count, its last input is `parameters`: `drive_parameters`.
+        name: the method's, or a function's of `cutpoint.derivatives` with "_derivatives" behind it.  Where drives
+        count, its last input is `parameters`: `drive_parameters`.
+        Raises InputError for a function that has not been called.
         """
         door.check_kind("kernel", "name", name, str, "a function's name")
         return self._compiled.made(name)
