@@ -19,7 +19,10 @@ NOT_THE_USER = ("cutpoint", "numpy")
 
 
 class Measurement(NamedTuple):
-    """Sensor readings: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s)."""
+    """Sensor readings: time and control period (s); link q, v and motor theta, theta_dot (rad, rad/s), each (n,).
+
+    One entry per drive, all at the joint's side; NaN where there is no encoder.
+    """
 
     time: Any
     period: Any
@@ -34,7 +37,10 @@ SENSED = Measurement._fields[2:]
 
 
 class Reference(NamedTuple):
-    """Desired motion of the links, with four derivatives, and of the motors: theta equals q unless a law changes it."""
+    """Desired motion of the links, with four derivatives, and of the motors: theta equals q unless a law changes it.
+
+    Each (n,), one entry per drive, all at the joint's side: rad, rad/s, ..., rad/s4 (m, m/s, ...).
+    """
 
     q: Any
     v: Any
@@ -48,6 +54,7 @@ class Reference(NamedTuple):
 class Command(NamedTuple):
     """Motor torque (N m), its part `feedforward` that needs no measurement, and a motor reference if the law makes one.
 
+    Each (n,), one entry per drive, or one number for all; at the joint's side.  theta, theta_dot: rad, rad/s, or None.
     fault: a guard's finding, see `control.Fault`; 0 is none.
     """
 

@@ -33,7 +33,8 @@ class Sensors:
     delay: s, a whole number of control periods, at most 6000 over the number of drives.
     speeds: "true", or "differenced" from positions as measured, over one control period.  The robot is taken to
         have been at rest before the first sample, without noise: delayed readings start from that.
-    sides: where there are encoders; a controller gets NaN for the other side.
+    sides: where there are encoders, "both", "motor" or "link"; a controller gets NaN for the other side.
+    Numbers are checked where they are used: `simulate` and the like raise InputError.
     """
 
     link_resolution: ArrayLike | None = None

@@ -41,7 +41,7 @@ class Runs(Sequence[Any]):
     """Results of runs, in order: logs, or the results of `each`.
 
     errors: by index, SimulationErrors of the runs that diverged or were interrupted, with the logs until then.
-    Accessing such a run raises its error.
+    runs[k] is the result of run k, or raises its error; `finished` holds those without errors.
     """
 
     results: tuple[Any, ...]

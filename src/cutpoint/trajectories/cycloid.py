@@ -21,7 +21,7 @@ class Cycloid(PointToPoint):
 
 
 def cycloid(end: ArrayLike, duration: float, start: ArrayLike | None = None) -> Cycloid:
-    """Cycloidal motion to `end` (n,) in `duration` s, from `start` (n,) or zero.  Xia (2019) eq. (57).
+    """Cycloidal motion to `end` (n,), rad (m), in `duration` s, from `start` (n,) or zero.  Xia (2019) eq. (57).
 
     Velocity and acceleration are zero at both ends.  The jerk there is 4 pi^2 (end - start) / duration^3: an elastic
     joint's motor reference starts with a jump in velocity.  Derivatives of any order are exact.

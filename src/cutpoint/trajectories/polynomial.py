@@ -36,7 +36,7 @@ class Septic(Polynomial):
 
 
 def quintic(end: ArrayLike, duration: float, start: ArrayLike | None = None) -> Quintic:
-    """Motion to `end` (n,) in `duration` s, from `start` (n,) or zero.
+    """Motion to `end` (n,), rad (m), in `duration` s, from `start` (n,) or zero.
 
     Velocity and acceleration are zero at both ends.  The jerk is not: an elastic joint's motor reference starts with
     a jump in velocity, which `septic` avoids.  Derivatives of any order are exact; those above the fifth are zero.
@@ -48,7 +48,7 @@ def quintic(end: ArrayLike, duration: float, start: ArrayLike | None = None) -> 
 
 
 def septic(end: ArrayLike, duration: float, start: ArrayLike | None = None) -> Septic:
-    """Motion to `end` (n,) in `duration` s, from `start` (n,) or zero.
+    """Motion to `end` (n,), rad (m), in `duration` s, from `start` (n,) or zero.
 
     Velocity, acceleration and jerk are zero at both ends; the snap is not.  Derivatives of any order are exact; those
     above the seventh are zero.

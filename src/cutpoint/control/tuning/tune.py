@@ -64,7 +64,8 @@ def tune(
 ) -> Any:
     """A law that gives each joint, taken alone, this bandwidth (Hz); a second-order response for PD.
 
-    Gains come from the inertia of links and rotors at q (neutral if not given).  damping: ratio, for PD, PID,
+    law: the class of a feedback law, such as `VDC`.  control_period: s.
+    Gains come from the inertia of links and rotors at q (nq,), neutral if not given.  damping: ratio, for PD, PID,
     ComputedTorque and FullStateFeedback, each joint alone; coupling between an arm's joints reduces it.
     FullStateFeedback is as stiff as PD; shaping the inertia makes it faster by sqrt(whole / reduced inertia).  Laws
     with v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; adaptation rates leave them
@@ -73,7 +74,8 @@ def tune(
     sensors: their delay and differenced speeds count in the stability check, not in the gains; perfect if not given.
 
     Raises:
-        InputError: the gains are unstable at q: the linear plant with all its springs and motors, sampled every
+        InputError: an argument is wrong, such as a law without a recipe or an option that the law lacks.  Or the gains
+            are unstable at q: the linear plant with all its springs and motors, sampled every
             control_period (s), has a pole that grows faster than dry friction stops; the message names the joint, its
             frequency and remedies.  A law that is discontinuous at rest is not tested.  Or a joint, such as a floating
             base, has no motor.

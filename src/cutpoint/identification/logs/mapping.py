@@ -42,13 +42,19 @@ class ChannelMap:
 
 
 def load_mapping(path: str | Path) -> ChannelMap:
-    """The mapping in a file.  Raises ModelError, with file and line, for any error in it."""
+    """The mapping in a file (YAML); docs/log-mapping.md has its fields.
+
+    Raises ModelError, with file and line, for any error in it.
+    """
     path = path_of("load_mapping", path, "a mapping file")
     return parse_mapping(read_bytes(path, MAXIMUM_BYTES), str(path))
 
 
 def parse_mapping(content: str | bytes | Mapping[str, Any], place: str = "<mapping>") -> ChannelMap:
-    """The mapping of a text, or of a dict of the same fields.  Raises ModelError."""
+    """The mapping of a text or a file's bytes (YAML), or of a dict of the same fields; `place` names it in messages.
+
+    Raises ModelError for any error in it, with the line of a text; InputError for content of another kind.
+    """
     check_kind("parse_mapping", "content", content, (str, bytes, Mapping), "text, or a dict of its fields")
     if isinstance(content, Mapping):
         document = Lineless("", _plain(content), {})

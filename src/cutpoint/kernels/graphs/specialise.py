@@ -16,7 +16,10 @@ SEVERAL = "several outputs are the fields of a NamedTuple or dataclass"
 
 
 def graph_of(function: Callable[..., Any], /, **inputs: int | tuple[int, ...]) -> Graph:
-    """The graph of a function, without compiling it.  Inputs as in `compile`."""
+    """The graph of a function, without compiling it.  Inputs as in `compile`.
+
+    Raises TraceError and InputError as `compile` does.
+    """
     return traced(function, [port(name, shape) for name, shape in inputs.items()])[0]
 
 

@@ -99,6 +99,8 @@ class LuGre(Presliding):
     """ds/dt = speed - |speed| s / s_b, s_b = dry friction / stiffness.  Canudas de Wit et al. (1995).
 
     Slides a little at any load: under a vibrating load it drifts where a real contact sticks.
+    sliding: the law of steady sliding.  distance: strain at breakaway, s_b, from rest without load, rad.  damping: of
+    the bristles while they wind up, N m s/rad.
     """
 
     sliding: Stribeck | Coulomb
@@ -125,7 +127,8 @@ class ElastoPlastic(Presliding):
 
     Within Dupont's family, ds/dt = speed (1 - alpha sgn(speed) s / s_b), alpha makes sliding grow in proportion
     to the strain beyond elastic * s_b, which has a closed form.  Loads below that share are held without creep.
-    elastic: the share, at least 0 and below 1.
+    sliding: the law of steady sliding.  distance: strain at breakaway, s_b, from rest without load, rad.  damping: of
+    the bristles while they wind up, N m s/rad.  elastic: the share, at least 0 and below 1.
     """
 
     sliding: Stribeck | Coulomb

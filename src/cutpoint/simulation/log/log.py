@@ -95,7 +95,10 @@ class Log:
         return f"Log({self.time.size} samples from {self.time[0]:g} s to {self.time[-1]:g} s: {shown})"
 
     def columns(self, name: str) -> tuple[tuple[str, str], ...]:
-        """The joint and the unit of each column of a channel; the joint is "" in a channel that has no joints."""
+        """The joint and the unit of each column of a channel; the joint is "" in a channel that has no joints.
+
+        Raises InputError for an unknown channel.
+        """
         unit = self.units[name] if name in self else ""
         if self[name].ndim == 1:
             return (("", str(unit)),)
@@ -103,12 +106,18 @@ class Log:
         return tuple(zip(self.joints, units, strict=True))
 
     def rms(self, name: str) -> Array:
-        """Root mean square over the samples, (n,) or (), in the channel's unit."""
+        """Root mean square over the samples, (n,) or (), in the channel's unit; NaN where a sample is.
+
+        Raises InputError for an unknown channel.
+        """
         values = self[name]
         return np.sqrt(np.einsum("n...,n...->...", values, values) / len(values))
 
     def max(self, name: str) -> Array:
-        """Largest absolute value, (n,) or (), in the channel's unit."""
+        """Largest absolute value, (n,) or (), in the channel's unit; NaN where a sample is.
+
+        Raises InputError for an unknown channel.
+        """
         return np.abs(self[name]).max(axis=0)
 
     def between(self, start: float, end: float) -> "Log":
@@ -160,20 +169,27 @@ class Log:
         return certificate(self)
 
     def to_dataframe(self) -> Any:
-        """A pandas DataFrame: index `time`, columns `q.elbow` (or `power`), `attrs` with units and meta."""
+        """A pandas DataFrame: index `time`, s, columns `q.elbow` (or `power`), `attrs` with units and meta.
+
+        Raises CutpointError where pandas is not installed.
+        """
         from cutpoint.simulation.log.frame import frame
 
         return frame(self)
 
     def save(self, path: str | Path) -> None:
-        """Writes an .npz or a .csv, as the path's ending says; `Log.load` gives back every number exactly."""
+        """Writes an .npz or a .csv, as the path's ending says; `Log.load` gives back every number exactly.
+
+        An existing file is replaced, whole or not at all.
+        Raises InputError for another ending, a folder that does not exist, or a log too large for a file.
+        """
         from cutpoint.simulation.log.files import save
 
         save(self, path_of("save", path))
 
     @classmethod
     def load(cls, path: str | Path) -> "Log":
-        """A log that `save` wrote.  Raises InputError for a file that is none."""
+        """A log that `save` wrote; its `run` is None.  Raises InputError for a file that is none."""
         from cutpoint.simulation.log.files import load
 
         return load(path_of("Log.load", path, "a log"))
