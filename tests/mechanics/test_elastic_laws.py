@@ -77,6 +77,17 @@ def test_waves_before_damped_springs_are_counted_there_and_back():
     assert_close(found.theta_ddot, u.theta_ddot, 1e-8)
 
 
+def test_friction_that_load_and_direction_change_is_counted_there_and_back_by_rigid_drives():
+    """A torque of 50 N m, rounded, accelerates the lightest link by 50 eps / 0.1 kg m2, some 1e-13 rad/s2."""
+    ours, rng = robot("rigid", "numpy"), np.random.default_rng(0)
+    rubs = Coulomb(1.0, 0.5, 0.02, asymmetry=0.3, per_load=0.2)
+    ours = ours.with_drives({name: replace(drive, motor_friction=rubs) for name, drive in ours.drives.items()})
+    q, v, a = motion = rng.standard_normal((3, 20, ours.nv))
+    u = ours.elastic_inverse_dynamics(*motion, 0 * a, 0 * a)
+    found = ours.elastic_forward_dynamics(q, v, u.theta, u.theta_dot, u.motor_torque)
+    assert_close(found.a, a, 1e-12)
+
+
 @pytest.mark.parametrize(("name", "backend"), ROBOTS[:3])
 @pytest.mark.parametrize("t", [0.0, 0.7, 2.9])
 def test_motor_speed_and_acceleration_are_time_derivatives_of_motor_position(name, backend, t):

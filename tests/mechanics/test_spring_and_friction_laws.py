@@ -22,6 +22,7 @@ springs, frictions = (
     pytest.mark.parametrize("law", SPRINGS, ids=repr),
     pytest.mark.parametrize("law", FRICTIONS, ids=repr),
 )
+EPS = np.finfo(float).eps
 SHARES = st.floats(-3.0, 3.0, allow_subnormal=False)
 """Of the deflection at which law (2) is continued by its tangent; beyond 1 in a third of all draws."""
 
@@ -96,6 +97,18 @@ def test_what_a_law_compensates_never_drives_its_speed_error(law, wanted, speed,
     excess = law.required_torque(wanted, speed, load) - law.torque(speed, load)
     assert (wanted - speed) * excess >= -1e-12
     assert law.required_torque(speed, speed, load) == law.torque(speed, load)
+
+
+@frictions
+@pytest.mark.parametrize(("speed", "share"), [(2.0, 0.1 * 1.3), (-2.0, -0.1 * 0.7)], ids=["forwards", "backwards"])
+@given(load=st.floats(-50.0, 50.0, allow_subnormal=False))
+def test_friction_grows_by_its_share_of_the_load_larger_forwards_and_smaller_backwards(law, speed, share, load):
+    """At 2 rad/s all of them slide: 1 - tanh(20) is below 1e-17."""
+    law = replace(law, asymmetry=0.3, per_load=0.1)
+    assert law.share_of_load(speed) == pytest.approx(share, rel=4 * EPS)
+    without = law.torque(speed, 0.0)
+    rounding = 4 * EPS * (abs(without) + abs(share * load))
+    assert law.torque(speed, load) - without == pytest.approx(share * abs(load), rel=0.0, abs=rounding)
 
 
 @frictions
