@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 import cutpoint
-from cutpoint import InputError, Sensors, simulate
+from cutpoint import InputError, LinearSpring, Sensors, simulate
 from cutpoint.analysis import followed_hysteresis, torque_bound
+from cutpoint.analysis.encoder_torque import COVERED
 from cutpoint.control import PD, Feedforward
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model import Harmonic, Motor
-from robot_library import robot
+from robot_library import driven_by, robot
 
 SPRING = CatalogueSpring(10e3, 14e3, 16e3, 3.9, 12.0)
 PARTS = {
@@ -158,3 +159,27 @@ def test_no_spring_is_read_farther_off_than_its_bound(stiffness):
     bound = torque_bound(arm, read, 0 * read, Sensors(link_resolution=step)).total
     off = [np.abs(spring.torque(read + x) - spring.torque(read)) for x in np.linspace(-step / 2, step / 2, 41)]
     assert np.max(off, axis=0) == pytest.approx(bound, rel=1e-12)
+
+
+def test_what_the_motors_encoder_is_off_by_counts_with_the_steepest_wave():
+    """Waves of slope 0.5: 1.5 times, where the output runs ahead most; there two encoders half a step off read that."""
+    motor, link, K = 2e-6, 3e-6, 8e3
+    waves = KinematicError((Harmonic(2, 0.5 / (2 * 100.0)),))
+    arm = driven_by(compliance=LinearSpring(K), kinematic_error=waves)
+    bound = torque_bound(arm, AT, AT, Sensors(link_resolution=link, motor_resolution=motor)).total
+    assert bound == pytest.approx(np.full(AT.shape, K * (1.5 * motor + link) / 2), rel=1e-14)
+    theta = np.linspace(0.0, 2 * np.pi / (2 * 100.0), 401)[:, None] + np.zeros(6)
+    off = np.abs(arm.drive_torque(theta + motor / 2, theta - link / 2) - arm.drive_torque(theta, theta))
+    # a slope falls by (order ratio motor / 2)^2 / 6 of itself over half a step; angles of 0.03 rad are rounded
+    assert off.max(axis=0) == pytest.approx(bound[0], rel=(200 * motor / 2) ** 2 / 6 + 2e-16 * 0.1 / motor)
+    noise = torque_bound(arm, AT, AT, Sensors(link_noise=link, motor_noise=motor)).noise
+    assert noise == pytest.approx(np.full(AT.shape, K * COVERED * np.hypot(1.5 * motor, link)), rel=1e-14)
+
+
+def test_elements_may_be_strained_by_twice_the_error_of_a_reading_that_stands_still():
+    """Both ends of its way may be 2e-6 rad off; by 4e-6 rad the shorter of two elements has slipped."""
+    slips = MaxwellSlip((2e3, 5e3), (1e-3, 1e-6))
+    arm = driven_by(compliance=LinearSpring(8e3), hysteresis=slips)
+    sensors = Sensors(link_resolution=3e-6, motor_resolution=1e-6)
+    bound = torque_bound(arm, AT, AT, sensors, record=True).hysteresis
+    assert bound == pytest.approx(np.full(AT.shape, 2e3 * 4e-6 + 5e3 * 1e-6), rel=1e-14)
