@@ -108,6 +108,18 @@ def rest(time: float = 0.0) -> tuple[Measurement, Reference]:
     return Measurement(time, PERIOD, *np.zeros((4, 2))), Reference(*np.zeros((7, 2)))
 
 
+@pytest.mark.parametrize(
+    ("periods", "fault"),
+    [(0.49, Fault.STALE), (0.51, Fault.NONE), (1.49, Fault.NONE), (1.51, Fault.DEADLINE), (-1.0, Fault.STALE)],
+)
+def test_a_stamp_may_come_half_a_period_early_or_late(periods, fault):
+    guard = guarded(PD([9.0] * 2, [1.0] * 2))
+    memory, _ = guard.step(guard.start(), *rest(0.3))
+    after, command = guard.step(memory, *rest(0.3 + periods * PERIOD))
+    assert command.fault == fault
+    assert after.severity == {Fault.NONE: 0, Fault.STALE: 1, Fault.DEADLINE: 2}[fault]
+
+
 def test_a_sensor_that_the_law_does_not_need_is_no_fault_and_changes_nothing():
     clean = simulate(elbow(), guarded(law("PD")), MOVE, duration=0.05)
     blind = simulate(elbow(), guarded(law("PD")), MOVE, duration=0.05, sensors=Sensors(sides="motor"))
