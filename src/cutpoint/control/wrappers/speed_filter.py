@@ -38,11 +38,6 @@ class SpeedFilter(Wrapper):
         """Measurement fields that the law reads, with positions in place of speeds."""
         return tuple(dict.fromkeys(DIFFERENCED.get(name, name) for name in super().needs))
 
-    @property
-    def delay(self) -> float:
-        """Delay of slow changes of speed, s."""
-        return 1 / (np.pi * self.bandwidth)
-
     def start(self) -> Any:
         return command_filter.start(2 * self.size), self.inner_start()
 
