@@ -10,16 +10,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import cutpoint
-
 FILE = Path(__file__).with_suffix(".txt")
 
 MODULES = (
     "", "analysis", "control", "derivatives", "export", "formats", "identification", "identification.drives", "kernels",
     "simulation", "trajectories",
 )  # fmt: skip
-CLASSES = (cutpoint.Robot, cutpoint.Log, cutpoint.Kernel)
-"""Classes whose methods are listed too."""
 
 
 def text() -> str:
@@ -27,15 +23,26 @@ def text() -> str:
 
 
 def lines() -> Iterator[str]:
+    """Functions and constructors, package by package; then what classes have besides their constructor's arguments."""
+    classes: dict[type, str] = {}
     for name in MODULES:
         module = import_module(f"cutpoint.{name}".rstrip("."))
         for key in sorted(module.__all__):
             if callable(found := getattr(module, key)):
                 yield f"{name}{name and '.'}{key}{arguments(found)}"
-    for kind in CLASSES:
-        for key, found in sorted(vars(kind).items()):
-            if not key.startswith("_"):
-                yield f"{kind.__name__}.{key}{arguments(getattr(kind, key)) if callable(found) else ''}"
+                if isinstance(found, type):
+                    classes.setdefault(found, f"{name}{name and '.'}{key}")
+    for kind, name in classes.items():
+        known = set().union(*(members(base) for base in kind.__mro__[1:] if base in classes))
+        yield from (f"{name}.{member}" for member in sorted(members(kind) - known))
+
+
+def members(kind: type) -> set[str]:
+    """Methods, properties and constants, inherited ones too, if no class from elsewhere has them."""
+    elsewhere = {key for base in kind.__mro__ if not base.__module__.startswith("cutpoint") for key in dir(base)}
+    given = inspect.signature(kind).parameters if arguments(kind) else ()
+    offered = [key for key in dir(kind) if not key.startswith("_") and key not in elsewhere and key not in given]
+    return {f"{key}{arguments(found) if callable(found := getattr(kind, key)) else ''}" for key in offered}
 
 
 def arguments(found: Any) -> str:
