@@ -5,4 +5,4 @@ from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[1]
 
-sys.path[:0] = [str(TESTS / room) for room in ("mechanics", "simulation", "control", "kernels")]
+sys.path[:0] = [str(TESTS / room) for room in ("mechanics", "simulation", "control", "kernels", "analysis", "studies")]

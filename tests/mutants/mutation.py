@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import test_every_joint_kind
+import test_step
 import test_whole_drives
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
@@ -36,6 +37,7 @@ def holds(law: Callable[..., None], arguments: dict[str, Any]) -> bool:
     """Whether a law holds, on robots built and compiled anew."""
     robots = [robot_library.robot, test_every_joint_kind.twin_of]
     robots += [test_whole_drives.bare, test_whole_drives.whole, test_whole_drives.table]
+    robots += [test_step.arm, test_step.swing]
     if hasattr(law, "hypothesis"):
         law = FEW(given(data=st.data())(law.hypothesis.inner_test))
     for cached in robots:

@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 import pytest
 import test_against_pinocchio as oracle
+import test_certificate as certificate
 import test_closed_loop as closed_loop
 import test_decomposition_laws as decomposition
 import test_derivatives_of_dynamics as slopes
@@ -11,7 +12,10 @@ import test_drive_laws as drive_laws
 import test_drives_that_remember as remember
 import test_elastic_against_rotor_bodies as rotor_bodies
 import test_elastic_laws as elastic_laws
+import test_encoder_torque as bounds
 import test_every_joint_kind as joint_kinds
+import test_guard as guarding
+import test_guard_at_its_edges as edges
 import test_large_derivatives as large_derivatives
 import test_large_trees as large_trees
 import test_laws_against_numpy as against_numpy
@@ -21,12 +25,16 @@ import test_lean_model as lean_model
 import test_looking_ahead as looking_ahead
 import test_rotors_as_bodies as rotors_as_bodies
 import test_sensors as sensing
+import test_sizing as drive_sizing
 import test_spring_and_friction_laws as springs
+import test_step as step
 import test_whole_drives as whole_drives
 from mutation import holds, mutated
 
 import test_package_agrees_with_paper as paper
 from cutpoint import Drive, Flexspline, Robot, definitions, robots
+from cutpoint.analysis import encoder_torque, virtual_power
+from cutpoint.control import Fault, Guard
 from cutpoint.control.laws import joint_law
 from cutpoint.control.sensors import Encoders
 from cutpoint.derivatives import definitions as derivative_definitions
@@ -39,6 +47,7 @@ from cutpoint.mechanics import (
     elastic_inverse,
     energy,
     inverse_dynamics,
+    linearly_implicit,
     power_flow,
     torque_derivatives,
 )
@@ -54,6 +63,7 @@ from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
 from cutpoint.rolled.algorithms import derivatives as looped_derivatives
 from cutpoint.simulation.loop.loop import ClosedLoop
+from cutpoint.studies.sizing import load
 
 
 class Mutant(NamedTuple):
@@ -408,6 +418,69 @@ MUTANTS = {
         "",
         large_trees.test_loops_feel_rotors,
         {"tree": "chain of 20", "every": 2},
+    ),
+    "a rigid drive whose motor gain takes no power": Mutant(
+        virtual_power.joint_account,
+        "gain.motor * lag * lag + ",
+        "",
+        certificate.test_in_continuous_time_every_subsystem_keeps_its_inequality_as_an_equality,
+        {"kind": "rigid", "body_gain": None},
+    ),
+    "asymmetry of the load's share to the other side": Mutant(
+        Sliding.share_of_load,
+        "1 + self.asymmetry",
+        "1 - self.asymmetry",
+        elastic_laws.test_friction_that_load_and_direction_change_is_counted_there_and_back_by_rigid_drives,
+        {},
+    ),
+    "waves that leave an encoder's error as it is": Mutant(
+        encoder_torque._parts,
+        "1.0 + (drive",
+        "1.0 + 0 * (drive",
+        bounds.test_what_the_motors_encoder_is_off_by_counts_with_the_steepest_wave,
+        {},
+    ),
+    "a way whose ends are read without an error": Mutant(
+        encoder_torque._hysteresis,
+        "sticks * (np.abs(way) + 2 * off)",
+        "sticks * np.abs(way)",
+        bounds.test_elements_may_be_strained_by_twice_the_error_of_a_reading_that_stands_still,
+        {},
+    ),
+    "a stamp that need hardly advance": Mutant(
+        Guard._found,
+        "late < m.period / 2",
+        "late < m.period / 9",
+        edges.test_a_stamp_may_come_half_a_period_early_or_late,
+        {"periods": 0.49, "fault": Fault.STALE},
+    ),
+    "a reaction that ends with its fault": Mutant(
+        Guard.step,
+        "maximum(memory.severity, severity)",
+        "severity",
+        guarding.test_a_later_fault_only_makes_the_reaction_more_severe,
+        {},
+    ),
+    "a link that does not feel what resists the rotor": Mutant(
+        linearly_implicit.resisted,
+        " + resists.follows * left",
+        "",
+        step.test_with_friction_or_damping_the_step_is_of_order_three_or_more,
+        {"kind": "spring"},
+    ),
+    "an encoder's torque without the spring's damping": Mutant(
+        harmonic_drive.spring_torque_and_rate,
+        "tau_f + drive.damping * wound.derivative(1)",
+        "tau_f",
+        against_numpy.test_full_state_feedback_is_its_equation,
+        {"name": "damped"},
+    ),
+    "a gear that passes on what moves the rotor": Mutant(
+        load._of_rotors,
+        "return np.stack(",
+        "return -np.stack(",
+        drive_sizing.test_a_rigid_drive_is_one_of_endless_stiffness,
+        {"coupling": "reduced"},
     ),
 }
 
