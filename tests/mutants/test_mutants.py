@@ -463,7 +463,7 @@ MUTANTS = {
     ),
     "a link that does not feel what resists the rotor": Mutant(
         linearly_implicit.resisted,
-        " + resists.follows * left",
+        " + resists.follows * net",
         "",
         step.test_with_friction_or_damping_the_step_is_of_order_three_or_more,
         {"kind": "spring"},
