@@ -170,7 +170,7 @@ def test_an_exported_law_commands_what_the_loop_commands(arm: cutpoint.Robot, tm
     step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph, flags=("-O1",))
     memory, parameters = law_memory(law), law_parameters(law, PERIOD)
     reference = move.derivatives(log.time, 4)
-    measured = [log[f"measured_{key}"] for key in ("q", "theta", "v", "theta_dot")]
+    measured = [log[f"measured_{key}"] for key in ("q", "v", "theta", "theta_dot")]
     for k, time in enumerate(log.time):
         torque, _, theta, _, _, memory = step(*(x[k] for x in (*measured, *reference)), time, memory, parameters)
         assert_same_bits(torque, log["command_torque"][k])

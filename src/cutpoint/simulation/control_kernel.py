@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import kernels
-from cutpoint.control.interface import Control, start_of
+from cutpoint.control.interface import SENSED, Control, start_of
 from cutpoint.control.own_law import check_pure
 from cutpoint.control.sensors import SAMPLED, Sensors, encoders_of
 from cutpoint.kernels import Kernel
@@ -39,7 +39,7 @@ class ControlStep(NamedTuple):
 def law_kernel(robot: Robot, law: Control, *, name: str = "control_step") -> Kernel:
     """One step of a law, equal to the compiled loop's to the last bit; torque limits are not applied.
 
-    Inputs: SAMPLED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
+    Inputs: SENSED and REFERENCE, one number per drive, time (s), memory, and parameters (see `law_parameters`).
     Outputs: those of ControlStep.
     Raises InputError for a law of another robot's size, TraceError for one that cannot be traced.
     """
@@ -52,7 +52,7 @@ def law_kernel(robot: Robot, law: Control, *, name: str = "control_step") -> Ker
         torque, feedforward, theta, theta_dot = (command[k * n : (k + 1) * n] for k in range(4))
         return ControlStep(torque, feedforward, theta, theta_dot, command[-1], after)
 
-    sizes = dict.fromkeys((*SAMPLED, *REFERENCE), n)
+    sizes = dict.fromkeys((*SENSED, *REFERENCE), n)
     memory = len(loop.initial_memory())
     return kernels.compile(
         control_step, name=name, backend=robot.backend, **sizes, time=(), memory=memory, parameters=count

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.interface import Command, Measurement, Reference
+from cutpoint.control.interface import SENSED, Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
-from cutpoint.control.sensors import SAMPLED
 from cutpoint.simulation.control_kernel import REFERENCE, law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.studies.compare.bench import USUAL, Bench
@@ -26,7 +25,7 @@ def step_times(bench: Bench, matches: Mapping[str, Match]) -> dict[str, float]:
 def _call(bench: Bench, match: Match) -> Callable[[], object]:
     """A step on the way."""
     sample = bench.move(USUAL)(0.3 * USUAL)
-    measured = dict(zip(SAMPLED, (sample.q, sample.q + 1e-3, sample.v, sample.v), strict=True))
+    measured = dict(zip(SENSED, (sample.q, sample.v, sample.q + 1e-3, sample.v), strict=True))
     wanted = dict(zip(REFERENCE, sample, strict=True))
     given = [np.ascontiguousarray(x) for x in (*measured.values(), *wanted.values())]
     law = _Remembering(match.law)
