@@ -217,10 +217,19 @@ def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
     longer = Log([0.0, 9.0], {"q": np.ones((2, 3))}, {"q": log.units["q"]}, log.joints)
     figure = log.plot("q", beside={"longer": longer})
     names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["q", "longer: q"] and len(figure.axes) == 3
+    assert names == ["this log", "longer"] and len(figure.axes) == 3
     own, other = figure.axes[0].lines
     assert own.get_xdata()[-1] == log.time[-1] and other.get_xdata()[-1] == 9.0
     assert own.get_color() != other.get_color()
+    together = log.plot("q", "q_d", beside={"other": log}).legends[0].get_texts()
+    assert [text.get_text() for text in together] == ["q", "q_d", "other: q", "other: q_d"]
+
+
+def test_axes_of_one_channel_each_are_named_after_it_and_a_log_has_one_colour():
+    alone, beside = example().plot("q", "torque"), example().plot("q", "torque", beside={"other": example()})
+    titles = [axis.get_title(loc="left") for axis in beside.axes]
+    assert [titles[0], titles[3]] == ["shoulder: q [deg]", "shoulder: torque [N m]"] and not alone.legends
+    assert len({tuple(line.get_color() for line in axis.lines) for axis in beside.axes}) == 1
 
 
 @pytest.mark.parametrize(
@@ -297,7 +306,7 @@ def test_what_no_sensor_told_has_no_axis():
     titles = [axis.get_title(loc="left") for axis in log.plot().axes]
     assert titles == ["q [deg]", "q [mm]", "speed [deg/s]"]
     named = [axis.get_title(loc="left") for axis in log.plot("q", "torque").axes]
-    assert named == ["shoulder [deg]", "$li_ft^$ [mm]"]
+    assert named == ["shoulder: q [deg]", "$li_ft^$: q [mm]"]
     with pytest.raises(InputError, match="no channels to plot, or only NaN in them"):
         log.plot("torque")
 

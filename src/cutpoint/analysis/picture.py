@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
 from cutpoint.analysis.modes import Modes
 from cutpoint.errors import InputError
+from cutpoint.reporting.style import INK, LINK, MOTOR, STYLE, styled
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -32,20 +33,26 @@ LINK_LAGS = -315.0
 RATIOS = {"rad": "velocity / torque [(rad/s)/(N m)]", "m": "velocity / force [(m/s)/N]"}
 """What the magnitude is, by the unit of a joint's position."""
 
-MOTOR, LINK, INK = "C0", "C1", "0.15"
-
 
 def picture(modes: Modes) -> Figure:
     """Magnitude and phase over frequency, one panel per joint.  Raises InputError if there are no drive modes."""
     if not modes.frequencies.size:
         raise InputError(f"no picture of modes: {modes.remark}")
+    with styled():
+        figure = _drawn(modes)
+        figure.draw_without_rendering()  # what is laid out later takes the style of that moment
+        return figure
+
+
+def _drawn(modes: Modes) -> Figure:
     joints = modes.model.joints
     down = -(-len(joints) // ACROSS)
     across = -(-len(joints) // down)
-    figure = Figure(figsize=(0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down), layout="constrained")
+    size = (0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down)
+    figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout="constrained")
     cells = figure.add_gridspec(down, across)
     for k, (joint, unit) in enumerate(zip(joints, modes.model.units, strict=True)):
-        inner = cells[divmod(k, across)].subgridspec(2, 1, height_ratios=[5, 2])
+        inner = cells[divmod(k, across)].subgridspec(2, 1, height_ratios=[2, 1])
         magnitude = figure.add_subplot(inner[0])
         phase = figure.add_subplot(inner[1], sharex=magnitude)
         response = _response(modes, joint)
@@ -72,10 +79,9 @@ def _magnitude(axes: Axes, response: FrequencyResponse, ratio: str) -> None:
     axes.set_ylim(max(float(np.quantile(np.r_[motor, link], 0.02)) / PEAK, top / 10**DECADES), top)
     _mark(axes, response.resonances, "v", 0.94)
     _mark(axes, response.antiresonances, "^", 0.06)
-    axes.set_title(response.joint, loc="left", fontsize="medium", parse_math=False)
+    axes.set_title(response.joint, parse_math=False)
     axes.set_ylabel(ratio, fontsize="small")
     axes.tick_params(labelbottom=False, labelsize="small")
-    axes.grid(alpha=0.3)
 
 
 def _mark(axes: Axes, frequencies: Array, marker: str, height: float) -> None:
@@ -99,7 +105,6 @@ def _phase(axes: Axes, response: FrequencyResponse) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.grid(alpha=0.3)
 
 
 def _degrees(values: ComplexArray, lowest: float) -> Array:
@@ -121,4 +126,4 @@ def _explain(figure: Figure, friction: bool, across: int) -> None:
     title = f"linear, at rest, at the joint's side; friction {'by its slope at rest' if friction else 'left out'}"
     columns = (1, 2, 4)[across - 1]
     place = "outside upper center"
-    figure.legend([*samples.values()], [*samples], loc=place, ncols=columns, frameon=False, title=title)
+    figure.legend([*samples.values()], [*samples], loc=place, ncols=columns, title=title)

@@ -1,6 +1,7 @@
 """A log as a picture."""
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -12,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
+from cutpoint.reporting.style import FAINT, JOINTS, STYLE, styled
 from cutpoint.simulation.log.log import Array, Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
@@ -23,8 +25,11 @@ ACROSS = 3
 LEAST_HEIGHT = 1e-9
 """Of an axis, in its unit: what is smaller is rounding, which would fill it."""
 
-FEW, MANY = [f"C{k}" for k in range(10)], [*map(to_hex, colormaps["tab20"](range(20)))]
-"""Colours of lines, the second where the first do not go round."""
+COLOURS = (JOINTS, [f"C{k}" for k in range(10)], [*map(to_hex, colormaps["tab20"](range(20)))])
+"""Of lines: the first that go round, or the last."""
+
+OWN = "this log"
+"""The legend's name of the log that is drawn with others beside it."""
 
 STYLES = ("-", "--", "-.", ":")
 """Of lines, from one time to the next that they go through all colours."""
@@ -32,31 +37,60 @@ STYLES = ("-", "--", "-.", ":")
 MOST_COLUMNS, COLUMN_GAP = 6, 0.2
 """Of the legend; inches between two of them."""
 
-Line = tuple[str, Array, Array]
-"""A label, times and values (N,), these in a unit for people."""
+
+class Line(NamedTuple):
+    """times (s) and values (N,), these in a unit for people, of a log's channel; joint: "" if it has none."""
+
+    run: str
+    channel: str
+    joint: str
+    times: Array
+    values: Array
+
+
+class Words(NamedTuple):
+    """Labels of lines in the legend, "" for none, all of them in order; and titles of axes without their units."""
+
+    label: Callable[[Line], str]
+    labels: Sequence[str]
+    title: Callable[[Line], str]
+
+
+Axis = tuple[str, str]
+"""A unit, and the joint or channel that shares an axis."""
 
 
 def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
     """One axis per unit and joint for the named channels of all logs; without names, one per channel of the only log.
 
-    logs: by the prefix of their channels in legends; "" for none.
+    logs: by their names in legends; "" for one that needs none.
     """
     axes = _axes(logs, names)
     if not axes:
         raise InputError("the log has no channels to plot, or only NaN in them")
+    words = _words(logs, names, axes)
     across, cells = _cells(axes, apart=bool(names))
+    with styled():
+        figure = _drawn(axes, words, across, cells, dashed=bool(names))
+        figure.draw_without_rendering()  # what is laid out later takes the style of that moment
+        return figure
+
+
+def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[int], dashed: bool) -> Figure:
+    """dashed: whether lines that cover others let them show through."""
     down = cells[-1] // across + 1
-    figure = Figure(figsize=(0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down), layout="constrained")
-    later = {label for lines in axes.values() for label, *_ in lines[1:]} if names else set[str]()
-    looks = _looks([_label(name, run) for run in logs for name in names] or next(iter(logs.values())).joints)
+    size = (0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down)
+    figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout="constrained")
+    later = {words.label(line) for lines in axes.values() for line in lines[1:]} if dashed else set[str]()
+    looks = _looks(words.labels)
     drawn: dict[str, Line2D] = {}
-    for cell, ((unit, title), lines) in zip(cells, axes.items(), strict=True):
-        axis = figure.add_subplot(down, across, cell + 1)
-        drawn = _draw(axis, lines, looks, later) | drawn
-        axis.set_title(f"{title} [{unit}]" if unit else title, loc="left", fontsize="medium", parse_math=False)
+    for cell, ((unit, _), lines) in zip(cells, axes.items(), strict=True):
+        axis, title = figure.add_subplot(down, across, cell + 1), words.title(lines[0])
+        drawn = _draw(axis, [(words.label(line), line) for line in lines], looks, later) | drawn
+        axis.set_title(f"{title} [{unit}]" if unit else title, parse_math=False)
         if cell + across not in cells:
             axis.set_xlabel("time [s]")
-    _explain(figure, {label: drawn[label] for label in looks if label in drawn})
+    _explain(figure, {label: drawn[label] for label in looks if label and label in drawn})
     return figure
 
 
@@ -72,16 +106,27 @@ def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
         raise InputError("plot: name the channels of logs side by side: log.plot('position_error', beside={...})")
 
 
-def _label(channel: str, run: str) -> str:
-    return f"{run}: {channel}" if run else channel
+def _words(logs: Mapping[str, Log], names: Sequence[str], axes: dict[Axis, list[Line]]) -> Words:
+    """What is the same for all lines of every axis stands in the titles, the rest in the legend."""
+    if not names:
+        return Words(lambda line: line.joint, next(iter(logs.values())).joints, lambda line: line.channel)
+    if all(len({line.channel for line in lines}) == 1 for lines in axes.values()):
+        own = {run: run or OWN if len(logs) > 1 else "" for run in logs}
+        return Words(lambda line: own[line.run], [*own.values()], lambda line: ": ".join(filter(None, line[2:0:-1])))
+
+    def label(run: str, channel: str) -> str:
+        return f"{run}: {channel}" if run else channel
+
+    labels = [label(run, name) for run in logs for name in names]
+    return Words(lambda line: label(line.run, line.channel), labels, lambda line: line.joint or line.channel)
 
 
-def _cells(axes: dict[tuple[str, str], list[Line]], apart: bool) -> tuple[int, list[int]]:
+def _cells(axes: dict[Axis, list[Line]], apart: bool) -> tuple[int, list[int]]:
     """The number of columns, and the cell of each axis, row by row.
 
     apart: axes of other channels than those before them begin a row.
     """
-    shown = [tuple(label for label, *_ in lines) if apart else () for lines in axes.values()]
+    shown = [tuple((line.run, line.channel) for line in lines) if apart else () for lines in axes.values()]
     most = max(map(shown.count, shown))
     across = -(-most // -(-most // ACROSS))
     cells: list[int] = []
@@ -93,22 +138,22 @@ def _cells(axes: dict[tuple[str, str], list[Line]], apart: bool) -> tuple[int, l
 
 def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
     """Colour and style of each line."""
-    colours = FEW if len(labels) <= len(FEW) else MANY
+    colours = next((some for some in COLOURS if len(labels) <= len(some)), COLOURS[-1])
     return {label: (colours[k % len(colours)], STYLES[k // len(colours) % 4]) for k, label in enumerate(labels)}
 
 
-def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[tuple[str, str], list[Line]]:
-    """The lines of each axis, by its unit and title, in the order of their first line; none where all is NaN."""
-    axes: dict[tuple[str, str], list[Line]] = {}
+def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[Axis, list[Line]]:
+    """The lines of each axis, in the order of their first line; none where all is NaN."""
+    axes: dict[Axis, list[Line]] = {}
     are_short = all(_are_short(log, names or [*log.channels]) for log in logs.values())
     for run, log in logs.items():
         for name in names or log.channels:
             values = log[name].reshape(log.time.size, -1)
             for column, (joint, unit) in enumerate(log.columns(name)):
                 shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
-                title, label = (joint or name, _label(name, run)) if names else (name, joint)
-                axes.setdefault((shown, title), []).append((label, log.time, factor * values[:, column]))
-    return {key: lines for key, lines in axes.items() if not all(np.isnan(line).all() for *_, line in lines)}
+                line = Line(run, name, joint, log.time, factor * values[:, column])
+                axes.setdefault((shown, (joint if names else "") or name), []).append(line)
+    return {key: lines for key, lines in axes.items() if not all(np.isnan(line.values).all() for line in lines)}
 
 
 def _are_short(log: Log, names: Sequence[str]) -> bool:
@@ -128,19 +173,20 @@ def _for_people(unit: str) -> tuple[str, float]:
     return unit, 1.0
 
 
-def _draw(axis: Axes, lines: Sequence[Line], looks: dict[str, tuple[str, str]], later: Set[str]) -> dict[str, Line2D]:
-    """Draws the lines in their colours and styles; those labels that are `later` in some axis are dashed in all, to
-    show what they cover; a channel without joints is grey among joints."""
+def _draw(
+    axis: Axes, lines: Sequence[tuple[str, Line]], looks: dict[str, tuple[str, str]], later: Set[str]
+) -> dict[str, Line2D]:
+    """Draws the lines, by label, in their colours and styles; those labels that are `later` in some axis are dashed in
+    all, to show what they cover; a channel without joints is grey among joints."""
     drawn: dict[str, Line2D] = {}
-    for label, time, values in lines:
-        colour, style = looks.get(label, ("0.2", "-"))
+    for label, line in lines:
+        colour, style = looks.get(label, (FAINT, "-"))
         style = "--" if label in later else style
-        (drawn[label],) = axis.plot(time, values, style, color=colour, linewidth=1.0)
+        (drawn[label],) = axis.plot(line.times, line.values, style, color=colour, linewidth=1.0)
     axis.margins(x=0.0)
     low, high = axis.get_ylim()
     if high - low < LEAST_HEIGHT:
         axis.set_ylim(low - LEAST_HEIGHT / 2, high + LEAST_HEIGHT / 2)
-    axis.grid(alpha=0.3)
     axis.ticklabel_format(useOffset=False)
     return drawn
 

@@ -33,7 +33,7 @@ MOMENTARY_SHOWN = 2.2
 ENDLESS = 1e12
 """N m: more than any motor has, for its limit to be seen."""
 
-STANDSTILL = 1e-3
+STANDSTILL = 1e-2
 """Of the fastest speed, up to which a motor's has no direction."""
 
 HEADROOM = 0.13
