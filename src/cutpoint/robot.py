@@ -25,7 +25,7 @@ from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.drive_validation import DRIVES, validated_drives
 from cutpoint.model.limits import limits_in_force
-from cutpoint.model.mechanism import frozen
+from cutpoint.model.mechanism import Limits, frozen
 from cutpoint.model.places import Places
 from cutpoint.model.validation import check_gravity
 
@@ -128,6 +128,14 @@ class Robot:
         """The cutting points between the subsystems.  Xia (2019) section III.A."""
         return cuts_of(self.mechanism)
 
+    @property
+    def limits(self) -> dict[str, Limits]:
+        """The tighter of each driven joint's limits and its drive's, by joint; inf where there is none.
+
+        lower, upper: rad (m); velocity: rad/s (m/s); effort: N m (N), without what the motor's current allows.
+        """
+        return limits_in_force(self.mechanism, self.drives)
+
     def neutral(self) -> Array:
         """The configuration with every joint unmoved, (nq,)."""
         return configurations.neutral(self.machine.system)
@@ -142,8 +150,7 @@ class Robot:
             rng = np.random.default_rng(seed)
         except (TypeError, ValueError):
             raise door.refused("random", "seed", seed, "a whole number from 0, or a NumPy Generator") from None
-        limits = limits_in_force(self.mechanism, self.drives)
-        return configurations.at_random(self.mechanism, self.machine.system, rng, shape, limits)
+        return configurations.at_random(self.mechanism, self.machine.system, rng, shape, self.limits)
 
     # others like it
 

@@ -1,15 +1,16 @@
 """Spring and friction laws, alone."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from cutpoint import Coulomb, Flexspline, LinearSpring, Stribeck
+from cutpoint import Coulomb, Flexspline, LinearSpring, ModelError, Sliding, Stribeck
 from cutpoint.mechanics.drives.compliance import POLE_GUARD
-from robot_library import assert_close, derivative
+from cutpoint.scalars import Scalar
+from robot_library import assert_close, derivative, robot
 
 SPRINGS = [LinearSpring(8e3), Flexspline(16e3, 0.0464), Flexspline(4.7e3, 0.119), Flexspline(100.0, 1e-6)]
 FRICTIONS = [
@@ -120,3 +121,37 @@ def test_stribeck_friction_falls_from_static_to_coulomb():
     law = FRICTIONS[0]
     assert max(law.torque(x) for x in np.linspace(0.0, 1.0, 200)) > 0.8 * law.static
     assert law.torque(1.0) < 0.2 * law.static
+
+
+@dataclass(frozen=True)
+class Plain(Sliding):
+    """A user's law with a size alone."""
+
+    size: float
+    coefficients = ("size",)
+
+    def plateau(self, speed: Scalar) -> Scalar:
+        return self.size
+
+
+@dataclass(frozen=True)
+class Nameless(Sliding):
+    size: float
+
+    def plateau(self, speed: Scalar) -> Scalar:
+        return self.size
+
+
+def test_a_users_law_need_not_state_what_it_does_not_have():
+    alike = Coulomb(2.0, 0.0)
+    for speed in (-3.0, -1e-3, 0.0, 1e-3, 3.0):
+        assert Plain(2.0).torque(speed, 7.0) == alike.torque(speed, 7.0)
+        assert Plain(2.0).resistance(speed) == alike.resistance(speed)
+        assert Plain(2.0).columns(speed) == [Coulomb(1.0, 0.0).torque(speed)]
+
+
+def test_a_users_law_must_say_in_what_it_is_linear():
+    arm = robot("xia2019")
+    rubbing = replace(arm.drives["joint2"], link_friction=Nameless(1.0))
+    with pytest.raises(ModelError, match="link_friction, a Nameless, must state `coefficients`"):
+        arm.with_drives({"joint2": rubbing})

@@ -27,7 +27,7 @@ from cutpoint.simulation.log.log import Log
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Certificate:
     """Each subsystem's power-flow inequality, nu' <= inflow - dissipation, evaluated on a log.
 
@@ -50,7 +50,7 @@ class Certificate:
         worst = np.maximum(self.slack.max(axis=0), 0.0)
         return dict(zip(self.subsystems, worst.tolist(), strict=True))
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         width = max(map(len, self.subsystems))
         lines = [f"{'subsystem':{width}}  violated, W  dissipated, W (means)"]
         mean, lost = np.maximum(self.slack, 0).mean(axis=0), self.dissipation.mean(axis=0)

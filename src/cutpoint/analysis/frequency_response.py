@@ -29,7 +29,7 @@ UNDAMPED = 1e-9
 """Distance of a pole from a frequency, relative to that: so near there is no damping but that of rounding."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FrequencyResponse:
     """Response of a joint to a sinusoidal torque of its motor, with all other motors' torques held.
 
@@ -49,6 +49,13 @@ class FrequencyResponse:
     link_velocity: ComplexArray
     resonances: Array
     antiresonances: Array
+
+    def __repr__(self) -> str:
+        peaks, dips = (", ".join(f"{f:.4g}" for f in x) or "none" for x in (self.resonances, self.antiresonances))
+        band = (
+            f"{self.frequencies.size} frequencies from {self.frequencies.min():.4g} to {self.frequencies.max():.4g} Hz"
+        )
+        return f"FrequencyResponse({self.joint!r}, {band}: resonances {peaks}; anti-resonances {dips})"
 
 
 def frequency_response(model: LinearModel, frequencies: ArrayLike, joint: str) -> FrequencyResponse:

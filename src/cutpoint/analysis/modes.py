@@ -30,7 +30,7 @@ STANDSTILL = 1e-6
 """A pole slower than this part of the fastest one is zero: rounding moves a pair of zeros that far apart."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Modes:
     """The vibration modes of elastic drives, by frequency; m of them.
 
@@ -76,7 +76,7 @@ class Modes:
         slow = f", or are slower than {STANDSTILL:g} of the fastest pole"
         return f"{missing} of {self.elastic} drive modes are overdamped{slow}" if missing > 0 else ""
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         lines = []
         for k, (f, zeta) in enumerate(zip(self.frequencies, self.damping, strict=True)):
             shares = ", ".join(f"{name} {share:.0%}" for name, share in self.joints_of(k).items())

@@ -185,6 +185,9 @@ def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     sliding = getattr(law, "sliding", law)  # of bristles, their sliding law
     per_load, asymmetry = (getattr(sliding, name, None) for name in ("per_load", "asymmetry"))
     coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
+    if hasattr(sliding, "columns") and not hasattr(sliding, "coefficients"):
+        rule = "must state `coefficients`, the names of its fields in which the torque is linear; () for none"
+        yield Complaint(side, f"{side}, a {type(sliding).__name__}, {rule}")
     if coulomb is not None and static is not None and static < coulomb:
         yield Complaint(f"{side}.static", f"must not be below coulomb {coulomb}", static)
     if per_load is not None and side == "link_friction":

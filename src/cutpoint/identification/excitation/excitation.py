@@ -54,7 +54,7 @@ class Excitation:
     """
 
     robot: Robot = field(repr=False)
-    trajectory: FourierSeries
+    trajectory: FourierSeries = field(repr=False)
     criterion: Criterion
     before: Quality | None
     after: Quality

@@ -27,12 +27,17 @@ SMOOTHING = 0.01
 """rad/s (m/s), over which dry friction changes sign where nothing is stated."""
 
 
+_UNSTATED = {"viscous": 0, "smoothing": SMOOTHING, "asymmetry": None, "per_load": None, "grease": None}
+"""Of a law that does not state them."""
+
+
 class Sliding(ABC):
     """Base class of sliding laws: dry friction along the direction of motion, and viscous friction.
 
     viscous in N m s/rad.  smoothing: rad/s over which dry friction changes sign.  asymmetry: scales dry friction by
     1 + asymmetry forwards, 1 - asymmetry backwards.  per_load: N m of dry friction per N m that the drive transmits.
     grease: temperature dependence of viscous friction.
+    A law need not state those that it does not have.
     """
 
     viscous: Scalar
@@ -43,6 +48,13 @@ class Sliding(ABC):
 
     coefficients: ClassVar[tuple[str, ...]]
     """Names of the fields in which the torque without load is linear."""
+
+    def __init_subclass__(cls) -> None:
+        # no defaults in the class body: dataclasses would take them for defaults of a law's own fields
+        stated = {name for base in cls.__mro__ if base is not Sliding for name in vars(base).get("__annotations__", {})}
+        for name, value in _UNSTATED.items():
+            if name not in stated and not hasattr(cls, name):
+                setattr(cls, name, value)
 
     @abstractmethod
     def plateau(self, speed: Scalar) -> Scalar:

@@ -34,6 +34,11 @@ class Run(NamedTuple):
     reference: Array
     end: "State | None" = None
 
+    def __repr__(self) -> str:
+        law = type(self.controller).__name__ if self.controller is not None else "no controller"
+        end = "with its state at the end" if self.end else "without its state at the end"
+        return f"Run({self.robot!r}, {law}, {self.reference.shape[1]} samples, {end})"
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Log:

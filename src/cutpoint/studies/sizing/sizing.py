@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sizing:
     """All drives against one cycle, a motion of `duration` s and a pause of `dwell` s; load: its samples."""
 
@@ -34,12 +34,20 @@ class Sizing:
     duration: float
     dwell: float
     drives: Mapping[str, DriveSizing]
-    load: Load = field(repr=False)
+    load: Load
 
     @property
     def holds(self) -> bool:
         """Whether no margin is below 1; limits that are not stated do not count."""
         return not any(found.failures for found in self.drives.values())
+
+    def __repr__(self) -> str:
+        failing = ", ".join(joint for joint, found in self.drives.items() if found.failures)
+        least = "nothing is stated"
+        if self.tightest:
+            joint, margin = self.tightest
+            least = f"least margin {margin.value:.3g}, {margin.limit} of {joint}"
+        return f"Sizing({self.robot!r}: {f'limits broken by {failing}' if failing else 'all hold'}; {least})"
 
     @cached_property
     def tightest(self) -> tuple[str, Margin] | None:
