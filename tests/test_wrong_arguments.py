@@ -13,16 +13,18 @@ from cutpoint import (
     analysis,
     control,
     derivatives,
+    formats,
     identification,
     simulate,
     trajectories,
 )
 from cutpoint.identification import drives
+from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.studies.sizing import sizing
 from robot_library import robot
 
 WRONG: list[Any] = [
-    "abc", -1, 0, [], np.nan, np.inf, [np.nan] * 6, object(), {"a": 1}, True, None, np.zeros((2, 3)), 1e300,
+    "abc", -1, 0, [], np.nan, np.inf, [np.nan] * 6, object(), {"a": 1}, True, None, np.zeros((2, 3)), 1e14, 1e300,
 ]  # fmt: skip
 
 ARM = robot("xia2019")
@@ -44,7 +46,12 @@ def run(**given: Any) -> Any:
     return simulate(**{"robot": ARM, "controller": LAW, "trajectory": MOVE, "duration": 0.003, **given})
 
 
+URDF = '<robot name="a"><link name="b"/></robot>'
+
 CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
+    "a robot file": (formats.parse_urdf, {"content": URDF, "lock": None, "mimic": "coupled", "floating_base": False}),
+    "a joint's drive": (formats.drive_of, {"joint": ARM.mechanism.bodies[0].joint}),
+    "slipping elements": (MaxwellSlip.smooth, {"torque": 1.0, "reach": 1e-3, "elements": 4}),
     "PD": (control.PD, {"kp": SIX, "kd": SIX, "side": "motor"}),
     "PID": (control.PID, {"kp": SIX, "ki": SIX, "kd": SIX, "limit": SIX, "side": "link"}),
     "computed torque": (control.ComputedTorque, {**RIGID, "kp": SIX, "kd": SIX}),

@@ -215,7 +215,15 @@ def test_backlash_is_play_and_then_its_spring(law):
     assert law.tangent(x) == pytest.approx(np.gradient(law.torque(x), x, edge_order=2), rel=0.02, abs=30.0)
 
 
-@pytest.mark.parametrize(("reach", "elements"), [(1e-4, 0), (1e-4, -3), (1e-4, 2.5), (0.0, 4), (-1e-4, 4), (np.nan, 4)])
-def test_smooth_hysteresis_has_elements_and_a_reach(reach, elements):
-    with pytest.raises(InputError, match=r"reach .* must be positive, elements .* a whole number from 1"):
-        MaxwellSlip.smooth(1.0, reach, elements)
+@pytest.mark.parametrize(
+    ("torque", "reach", "elements", "message"),
+    [
+        *((1.0, 1e-4, elements, "elements .* must be a whole number, at least 1") for elements in (0, -3, 2.5)),
+        *((1.0, reach, 4, "reach .* must be positive and finite") for reach in (0.0, -1e-4, np.nan)),
+        (-1.0, 1e-4, 4, "torque -1.0 N m must be positive"),
+        (1.0, 1e-4, 1001, "elements 1001 at most 1000"),
+    ],
+)
+def test_smooth_hysteresis_has_a_torque_a_reach_and_elements(torque, reach, elements, message):
+    with pytest.raises(InputError, match=message):
+        MaxwellSlip.smooth(torque, reach, elements)

@@ -113,6 +113,9 @@ def sampled_loop(
     model = _linear(robot, q)
     encoded = _encoded(function, encoders, period)
     answer, plant = _slopes(function, robot, law, model, period), _sampled(robot, model, period)
+    if not (np.isfinite(plant.ahead).all() and np.isfinite(plant.now).all()):
+        told = f"{function}: over a control_period of {period:g} s the robot falls out of all bounds; is it in s?"
+        raise InputError(told, control_period=period)
     # one row per state: the plant's, the previous sample's commands, the law's memory and the sensors'
     sizes = len(plant.ahead), len(robot.drives), len(answer.kept), len(encoded.kept)
     state, before, memory, line = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
@@ -215,7 +218,10 @@ def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[R
     made = as_law(law)
     check_drives(made, robot.joints)
     robot = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
-    return robot, checked_array(function, "q", q, robot.nq), on_bare_drives(made)
+    pose = checked_array(function, "q", q, robot.nq)
+    if pose.ndim != 1:
+        raise InputError(f"{function}: q has shape {pose.shape}, but must be one pose, ({robot.nq},)", q=q)
+    return robot, pose, on_bare_drives(made)
 
 
 def _linear(robot: Robot, q: Array) -> "LinearModel":

@@ -6,13 +6,14 @@ transmissions, extensions) is ignored, rotor inertias with a warning; meshes are
 
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
-from cutpoint.door import check_kind, check_truths, path_of
+from cutpoint.door import check_choice, check_kind, check_truths, path_of
 from cutpoint.errors import InputError, ModelError, listed
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.reading import parse_number, read_bytes
@@ -110,9 +111,9 @@ def parse_urdf(
     does not name its robot names it after this.  Options, warnings and errors are those of `load_urdf`; content that is
     neither text nor bytes raises InputError.
     """
-    if mimic not in ("independent", "coupled"):
-        raise InputError(f"mimic {mimic!r} must be 'independent' or 'coupled'", mimic=mimic)
+    check_choice("parse_urdf", "mimic", mimic, ("independent", "coupled"))
     check_kind("parse_urdf", "content", content, (str, bytes), "the text of a URDF (load_urdf reads files)")
+    check_kind("parse_urdf", "lock", lock, (Mapping, NoneType), "a coordinate for each joint that is held, by name")
     check_truths("parse_urdf", floating_base=floating_base, mend_inertia=mend_inertia)
     robot = parse_xml(content, place)
     _check_is_urdf(robot, place)

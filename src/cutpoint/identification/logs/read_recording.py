@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     """
     check_kind("recording_of", "table", table, Table, "a Table (read_table reads files)")
     check_kind("recording_of", "mapping", mapping, ChannelMap, "a ChannelMap (load_mapping reads files)")
+    check_kind("recording_of", "robot", robot, (Robot, NoneType), "a Robot (cutpoint.load reads files), or None")
     columns = {name: columns_of(name, mapping, table) for name in mapping.quantities}
     joints = _joints(next(iter(columns.values())), mapping, robot)
     ratios = {name: drive.ratio for name, drive in robot.drives.items()} if robot else {}

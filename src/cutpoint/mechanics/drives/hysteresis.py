@@ -7,9 +7,12 @@ never returns more energy than was put in.  Strains in rad (m), torques in N m (
 from dataclasses import dataclass
 from typing import Any
 
+from cutpoint.door import number, positive, whole
 from cutpoint.errors import InputError
 from cutpoint.model.drive import Compliance, Hysteresis
 from cutpoint.scalars import Scalar, clip, where
+
+MOST_ELEMENTS = 1000
 
 
 @dataclass(frozen=True)
@@ -28,12 +31,15 @@ class MaxwellSlip:
         """Elements whose torque grows as W (2 x - x^2), x = strain / reach, to W = `torque` (N m) at `reach` (rad).
 
         Approximated by chords between the elements' reaches: the last element is half as stiff as the others.
-        Raises InputError for a reach that is not positive, or a number of elements that is not whole or below 1.
+        Raises InputError for a torque or reach that is not positive, or elements that are no whole number from 1 to
+        MOST_ELEMENTS.
         """
-        if not (reach > 0 and elements >= 1 and elements % 1 == 0):
-            told = f"MaxwellSlip.smooth: reach {reach} must be positive, elements {elements} a whole number from 1"
-            raise InputError(told, reach=reach, elements=elements)
-        elements = int(elements)
+        torque = number("MaxwellSlip.smooth", "torque", torque, "N m")
+        reach = positive("MaxwellSlip.smooth", "reach", reach, "rad")
+        elements = whole("MaxwellSlip.smooth", "elements", elements)
+        if torque <= 0 or elements > MOST_ELEMENTS:
+            told = f"torque {torque} N m must be positive, and elements {elements} at most {MOST_ELEMENTS}"
+            raise InputError(f"MaxwellSlip.smooth: {told}", torque=torque, elements=elements)
         each = 2 * torque / (reach * elements)
         stiffness = (*[each] * (elements - 1), each / 2)
         return cls(stiffness, tuple(reach * ((k + 1) / elements) for k in range(elements)))
