@@ -219,8 +219,8 @@ def test_backlash_is_play_and_then_its_spring(law):
     ("torque", "reach", "elements", "message"),
     [
         *((1.0, 1e-4, elements, "elements .* must be a whole number, at least 1") for elements in (0, -3, 2.5)),
-        *((1.0, reach, 4, "reach .* must be positive and finite") for reach in (0.0, -1e-4, np.nan)),
-        (-1.0, 1e-4, 4, "torque -1.0 N m must be positive"),
+        *((1.0, reach, 4, "reach (.* must be positive|nan)") for reach in (0.0, -1e-4, np.nan)),
+        (-1.0, 1e-4, 4, "torque -1.0 N m and reach .* must be positive"),
         (1.0, 1e-4, 1001, "elements 1001 at most 1000"),
     ],
 )

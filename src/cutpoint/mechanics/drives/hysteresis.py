@@ -7,7 +7,7 @@ never returns more energy than was put in.  Strains in rad (m), torques in N m (
 from dataclasses import dataclass
 from typing import Any
 
-from cutpoint.door import number, positive, whole
+from cutpoint.door import number, whole
 from cutpoint.errors import InputError
 from cutpoint.model.drive import Compliance, Hysteresis
 from cutpoint.scalars import Scalar, clip, where
@@ -35,11 +35,13 @@ class MaxwellSlip:
         MOST_ELEMENTS.
         """
         torque = number("MaxwellSlip.smooth", "torque", torque, "N m")
-        reach = positive("MaxwellSlip.smooth", "reach", reach, "rad")
+        reach = number("MaxwellSlip.smooth", "reach", reach, "rad")
         elements = whole("MaxwellSlip.smooth", "elements", elements)
-        if torque <= 0 or elements > MOST_ELEMENTS:
-            told = f"torque {torque} N m must be positive, and elements {elements} at most {MOST_ELEMENTS}"
-            raise InputError(f"MaxwellSlip.smooth: {told}", torque=torque, elements=elements)
+        if not (torque > 0 and reach > 0 and elements <= MOST_ELEMENTS):
+            told = f"torque {torque} N m and reach {reach} rad must be positive, elements {elements} at most"
+            raise InputError(
+                f"MaxwellSlip.smooth: {told} {MOST_ELEMENTS}", torque=torque, reach=reach, elements=elements
+            )
         each = 2 * torque / (reach * elements)
         stiffness = (*[each] * (elements - 1), each / 2)
         return cls(stiffness, tuple(reach * ((k + 1) / elements) for k in range(elements)))
