@@ -137,7 +137,10 @@ class Robot:
         return limits_in_force(self.mechanism, self.drives)
 
     def neutral(self) -> Array:
-        """The configuration with every joint unmoved, (nq,)."""
+        """The configuration with every joint unmoved, (nq,): zeros, and quaternions that turn by nothing.
+
+        It may be outside limits, and an MJCF file's `ref` and keyframes do not change it.
+        """
         return configurations.neutral(self.machine.system)
 
     def random(self, seed: "int | np.random.Generator | None" = None, size: int | tuple[int, ...] = ()) -> Array:

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 import cutpoint
 from cutpoint import Coulomb, Drive, Robot, Rotor
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import DegreesWarning, NotCarriedOver, parse_mjcf
+from cutpoint.formats import DegreesWarning, NotCarriedOver, RenamedWarning, parse_mjcf
 from cutpoint.formats.mjcf.text import MAXIMUM_PIECES
 from cutpoint.loading import DroppedWarning
 from cutpoint.model import Limits
@@ -38,6 +38,7 @@ MODELS = {
 def read(text: str, backend: str = "numpy") -> Robot:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotCarriedOver)
+        warnings.simplefilter("ignore", RenamedWarning)
         mechanism, drives = parse_mjcf(text)
     return Robot(mechanism, drives, backend=backend)  # pyright: ignore[reportArgumentType]
 
@@ -142,10 +143,18 @@ def test_every_body_is_where_mujoco_has_it(twin: Twin) -> None:
             assert_close(pose[:3, :3], data.xmat[b].reshape(3, 3), 1e-12)
 
 
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.NotCarriedOver")
+def test_the_neutral_configuration_is_zero_whatever_a_file_says_of_its_start() -> None:
+    at_start = '<keyframe><key qpos="0.3"/></keyframe>'
+    bent = one_body("", at_start).replace("<joint", '<joint range="20 90" ref="35"')
+    assert read(bent).neutral() == [0.0]
+    np.testing.assert_array_equal(read(mjcf_text.BALLS).neutral(), [0, 0, 0, 1] * 2)
+
+
 def test_names_that_are_made_keep_clear_of_the_files_own() -> None:
     twin = Twin(read(mjcf_text.TAKEN), bare_model(mjcf_text.TAKEN))
     assert twin.ours.joints == ("joint_2", "joint_2_", "joint_2__", "joint_3", "body_2__fixed")
-    assert {"body_2_after_joint_2_", "body_2_", "body_2__fixed_"} <= set(twin.ours.frames)
+    assert {"body_2_after_joint_2_", "body_2_"} <= set(twin.ours.frames)
     tau = twin.ours.inverse_dynamics(*states(twin.ours))
     for k, data, T in each(twin):
         mujoco.mj_inverse(twin.model, data)
@@ -434,21 +443,49 @@ SITES = """<mujoco><default><default class="tool"><site euler="0 90 0" size="0.0
   <body name="arm"><joint name="elbow" axis="0 1 0"/>
     <geom size="0.1" mass="1" contype="0" conaffinity="0"/>
     <site name="arm" pos="0.1 0 0"/><site name="flange" class="tool" pos="0.2 0 0.3"/><site pos="9 9 9"/>
-    <body name="hand" pos="0 0 1"><site name="finger" pos="0 1 0"/></body>
+    <body name="hand" pos="0 0 1"><site name="finger" pos="0 1 0"/><site name="hand_fixed"/></body>
+    <site name="elbow" pos="0 0.3 0"/><site name="arm_site" pos="0 0 0.4"/>
   </body>
 </worldbody></mujoco>"""
 
+OF_SITES = {
+    "bench": "bench",
+    "arm": "arm_site_",
+    "flange": "flange",
+    "finger": "finger",
+    "hand_fixed": "hand_fixed",
+    "elbow": "elbow_site",
+    "arm_site": "arm_site",
+}
 
-def test_sites_are_frames() -> None:
+
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.RenamedWarning")
+def test_sites_are_frames_and_take_none_from_bodies_and_joints() -> None:
     robot, model = cutpoint.Robot(parse_mjcf(SITES).mechanism), mujoco.MjModel.from_xml_string(SITES)
     data, q = mujoco.MjData(model), np.array([0.7])
     data.qpos[:] = q
     mujoco.mj_forward(model, data)
-    for frame, site in {"bench": "bench", "arm_": "arm", "flange": "flange", "finger": "finger"}.items():
+    for site, frame in OF_SITES.items():
         found = robot.frame_pose(q, frame)
         np.testing.assert_allclose(found[:3, 3], data.site(site).xpos, rtol=0, atol=1e-15)
         np.testing.assert_allclose(found[:3, :3].reshape(-1), data.site(site).xmat, rtol=0, atol=1e-15)
-    assert not any("9" in frame for frame in robot.mechanism.frames)
+    for frame, body in {"arm": "arm", "elbow": "arm", "hand": "hand", "world": "world"}.items():
+        np.testing.assert_allclose(robot.frame_pose(q, frame)[:3, 3], data.body(body).xpos, rtol=0, atol=1e-15)
+
+
+def test_a_site_with_the_name_of_a_body_or_joint_is_renamed_and_said() -> None:
+    with pytest.warns(RenamedWarning) as caught:
+        parse_mjcf(SITES, "arm.xml")
+    (told,) = caught
+    by_body = "site 'arm' is the frame 'arm_site_', since a body has that name"
+    by_joint = "site 'elbow' is the frame 'elbow_site', since a joint has that name"
+    assert str(told.message) == f"{by_body}; {by_joint} (arm.xml)"
+
+
+@pytest.mark.filterwarnings("ignore::cutpoint.formats.RenamedWarning")
+def test_frames_are_those_that_the_file_names() -> None:
+    frames = parse_mjcf(SITES).mechanism.frames
+    assert set(frames) == {"world", "arm", "elbow", "hand", *OF_SITES.values()}
 
 
 def test_what_mujoco_remarks_is_told_with_the_file() -> None:

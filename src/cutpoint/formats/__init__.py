@@ -11,13 +11,14 @@ if TYPE_CHECKING:
     from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of
     from cutpoint.formats.drives.drives import dump_drives, load_drives, parse_drives, save_drives
     from cutpoint.formats.drives.unlikely_units import UnitsWarning
-    from cutpoint.formats.mjcf.mjcf import MjcfRobot, load_mjcf, parse_mjcf
+    from cutpoint.formats.mjcf.mjcf import MjcfRobot, RenamedWarning, load_mjcf, parse_mjcf
 
 __all__ = [
     "DegreesWarning",
     "MimicWarning",
     "MjcfRobot",
     "NotCarriedOver",
+    "RenamedWarning",
     "UnitsWarning",
     "catalogue_drive",
     "catalogue_gear",
@@ -38,7 +39,7 @@ _ELSEWHERE = {
     **dict.fromkeys(("catalogue_drive", "catalogue_gear", "catalogue_names", "entry_of"), "catalogue.catalogue"),
     **dict.fromkeys(("dump_drives", "load_drives", "parse_drives", "save_drives"), "drives.drives"),
     "UnitsWarning": "drives.unlikely_units",
-    **dict.fromkeys(("MjcfRobot", "load_mjcf", "parse_mjcf"), "mjcf.mjcf"),
+    **dict.fromkeys(("MjcfRobot", "RenamedWarning", "load_mjcf", "parse_mjcf"), "mjcf.mjcf"),
 }
 """Modules of names that are imported on first use: with SciPy, YAML and the validation of sheets they cost more than
 all else here."""

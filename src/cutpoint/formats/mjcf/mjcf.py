@@ -47,6 +47,10 @@ from cutpoint.model.pose import pose, rotation_about
 MAXIMUM_BYTES = 16 * 2**20
 
 
+class RenamedWarning(UserWarning):
+    """Sites of a file have names that its bodies or joints have; their frames are named otherwise."""
+
+
 class MjcfRobot(NamedTuple):
     """A mechanism, and drives for its hinges and slides: armature as a rotor at ratio 1, damping and friction."""
 
@@ -65,7 +69,8 @@ def load_mjcf(
     lock: coordinates (rad or m) at which joints are held fixed, by name.
     Warns once, NotCarriedOver, of what has no counterpart here.  Several joints of a body become a chain of links
     without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
-    If the file uses such a name itself, underscores are appended.
+    If the file uses such a name itself, underscores are appended.  A site with the name of a body or joint is the frame
+    `<site>_site`, and a RenamedWarning says so.
     Raises ModelError: the `mujoco` package is missing, what is wrong in the file or in gravity, or what cannot be
     locked.
     """
@@ -109,21 +114,29 @@ def _robot(
 ) -> MjcfRobot:
     excerpt = excerpt_of(root, place, meshes)
     model, remarks = compiled(excerpt.text, place, meshes.values())
+    tree = _tree(model)
+    fall = _gravity(model, place) if gravity is None else gravity
+    name = root.attributes.get("model") or Path(place).stem
+    whole = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
+    mechanism = replace(whole, frames={name: frame for name, frame in whole.frames.items() if name not in tree.unnamed})
+    drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
+    warn_of_degrees(tree.joints, "the file's compiler takes angles as radians", place)
+    if lost:
+        warn(NotCarriedOver(lost, place))
+    if tree.renamed:
+        warn(f"{'; '.join(tree.renamed)} ({place})", RenamedWarning)
+    for words in remarks:
+        warn(f"MuJoCo says about {place}: {words}")
+    return MjcfRobot(mechanism, drives)
+
+
+def _tree(model: Any) -> "_Tree":
     tree = _Tree(model)
     for body in range(1, model.nbody):
         tree.add_body(body)
     for site in range(model.nsite):
         tree.add_site(site)
-    fall = _gravity(model, place) if gravity is None else gravity
-    name = root.attributes.get("model") or Path(place).stem
-    mechanism = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
-    drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
-    warn_of_degrees(tree.joints, "the file's compiler takes angles as radians", place)
-    if lost:
-        warn(NotCarriedOver(lost, place))
-    for words in remarks:
-        warn(f"MuJoCo says about {place}: {words}")
-    return MjcfRobot(mechanism, drives)
+    return tree
 
 
 def _gravity(model: Any, place: str) -> Array:
@@ -149,17 +162,21 @@ def _drives(mechanism: Mechanism, armature: Mapping[str, float], place: str) -> 
 class _Tree:
     """Links and joints as read from a compiled model; armature of hinges and slides by joint.
 
-    Generated names avoid those of its bodies and joints.
+    Generated names avoid those of its bodies, joints and sites.
+    unnamed: fixed joints that the file does not have.  renamed: a sentence for each site with another thing's name.
     """
 
     model: Any
     links: list[Link] = field(default_factory=lambda: [Link("world")])
     joints: list[Joint] = field(default_factory=list[Joint])
     armature: dict[str, float] = field(default_factory=dict[str, float])
+    unnamed: set[str] = field(default_factory=set[str])
+    renamed: list[str] = field(default_factory=list[str])
 
     def __post_init__(self) -> None:
         self.body_names, self.joint_names = (names_of(self.model, kind) for kind in ("body", "joint"))
-        self.taken_by_links, self.taken_by_joints = set(self.body_names), set(self.joint_names)
+        self.owners = dict.fromkeys(self.joint_names, "joint") | dict.fromkeys(self.body_names, "body")
+        self.taken = {*self.owners, *(self.model.site(s).name for s in range(self.model.nsite))}
 
     def add_body(self, b: int) -> None:
         """Adds a body, and the chain of joints to it from its parent."""
@@ -170,26 +187,34 @@ class _Tree:
         for j in range(first, first + count):
             anchor = model.jnt_pos[j] if model.jnt_type[j] in (HINGE, BALL) else np.zeros(3)
             is_body = j == first + count - 1 and not anchor.any()
-            child = name if is_body else free(f"{name}_after_{self.joint_names[j]}", self.taken_by_links)
+            child = name if is_body else free(f"{name}_after_{self.joint_names[j]}", self.taken)
             self.joints.append(self.joint(j, carrier, child, at @ pose(np.eye(3), anchor)))
             if not is_body:
                 self.links.append(Link(child))
             carrier, at = child, pose(np.eye(3), -anchor)
         if carrier != name:
-            self.joints.append(Joint(free(f"{name}_fixed", self.taken_by_joints), "fixed", carrier, name, at))
+            self.fix(name, carrier, at)
         axes = _placement(name, model.body_ipos[b], model.body_iquat[b])[:3, :3]
         inertia = axes @ np.diag(model.body_inertia[b]) @ axes.T
         self.links.append(Link(name, float(model.body_mass[b]), np.array(model.body_ipos[b]), inertia))
 
     def add_site(self, s: int) -> None:
-        """Adds a frame for a site, if it has a name."""
-        stated = self.model.site(s).name
+        """Adds a frame for a site, if it has a name; a name that a body or joint has is followed by `_site`."""
+        name = stated = self.model.site(s).name
         if not stated:
             return
-        carrier, name = self.body_names[self.model.site_bodyid[s]], free(stated, self.taken_by_links)
+        if owner := self.owners.get(stated):
+            name = free(f"{stated}_site", self.taken)
+            self.renamed.append(f"site {stated!r} is the frame {name!r}, since a {owner} has that name")
         at = _placement(name, self.model.site_pos[s], self.model.site_quat[s])
-        self.joints.append(Joint(free(f"{name}_fixed", self.taken_by_joints), "fixed", carrier, name, at))
+        self.fix(name, self.body_names[self.model.site_bodyid[s]], at)
         self.links.append(Link(name))
+
+    def fix(self, name: str, carrier: str, at: Array) -> None:
+        """A link rests on its carrier."""
+        joint = free(f"{name}_fixed", self.taken)
+        self.joints.append(Joint(joint, "fixed", carrier, name, at))
+        self.unnamed.add(joint)
 
     def joint(self, j: int, parent: str, child: str, at: Array) -> Joint:
         """MuJoCo turns about an axis through `jnt_pos` by qpos less its reference; a free joint is placed by qpos."""
