@@ -1,5 +1,6 @@
 """Meaning of a URDF document beyond comparison with Pinocchio: order, defaults, options, warnings, xacro."""
 
+import re
 import sys
 import warnings
 from importlib.machinery import ModuleSpec
@@ -8,6 +9,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+import xacro
 from scipy.spatial.transform import Rotation
 from urdf_text import ARM, joint, link, robot
 
@@ -195,6 +197,56 @@ def test_a_xacro_file_that_cannot_be_expanded_says_why(tmp_path: Path) -> None:
         load_urdf(path)
 
 
+def including(file: str) -> str:
+    """A robot of what another file defines."""
+    return f'<robot name="r" {XACRO}><xacro:include filename="{file}"/></robot>'
+
+
+def test_what_is_wrong_in_an_included_file_is_said_of_that_file(tmp_path: Path) -> None:
+    (path := tmp_path / "arm.xacro").write_text(including("parts.xacro"))
+    for wrong, told in {'<link name="${1/0}"/>': "division by zero .*", "<link>": "mismatched tag: .*"}.items():
+        (tmp_path / "parts.xacro").write_text(f"<robot {XACRO}>{wrong}</robot>")
+        with pytest.raises(ModelError, match=rf"cannot expand this file: {told} \({re.escape(str(tmp_path))}/parts\."):
+            load_urdf(path)
+
+
+def test_what_is_wrong_in_a_macro_is_said_of_it_and_of_what_calls_it(tmp_path: Path) -> None:
+    finger = '<xacro:macro name="finger"><link name="${nowhere}"/></xacro:macro>'
+    hand = '<xacro:macro name="hand"><xacro:finger/></xacro:macro>'
+    (tmp_path / "parts.xacro").write_text(f"<robot {XACRO}>{finger}{hand}</robot>")
+    (path := tmp_path / "arm.xacro").write_text(including("parts.xacro").replace("</robot>", "<xacro:hand/></robot>"))
+    with pytest.raises(ModelError, match=r", in macro 'finger' of '.*parts\.xacro', in macro 'hand' of '.*arm\.xacro"):
+        load_urdf(path)
+
+
+def test_files_that_include_each_other_in_a_circle_are_named(tmp_path: Path) -> None:
+    for file, included in {"arm": "left", "left": f"../{tmp_path.name}/right", "right": "left"}.items():
+        (tmp_path / f"{file}.xacro").write_text(including(f"{included}.xacro"))
+    circle = r"in a circle, '[^']*left\.xacro' -> '[^']*right\.xacro' -> '[^']*left\.xacro'; take one of these"
+    turned = r"in a circle, '[^']*right\.xacro' -> '[^']*left\.xacro' -> '[^']*right\.xacro'; take one of these"
+    with pytest.raises(ModelError, match=rf"files include each other ({circle}|{turned})"):
+        load_urdf(tmp_path / "arm.xacro")
+
+
+def test_macros_that_call_themselves_without_end_are_named(tmp_path: Path) -> None:
+    macro = '<xacro:macro name="link_of" params="k"><xacro:link_of k="${k + 1}"/></xacro:macro>'
+    (path := tmp_path / "arm.xacro").write_text(f'<robot name="r" {XACRO}>{macro}<xacro:link_of k="0"/></robot>')
+    with pytest.raises(ModelError, match=r"macros call each other in a circle, 'link_of' -> 'link_of'; end it by an"):
+        load_urdf(path)
+
+
+def test_a_xacro_file_leaves_no_trace_in_the_xacro_package(tmp_path: Path) -> None:
+    """Even where it fails, in a macro of an included file."""
+    macro = '<xacro:arg name="side" default="left"/><xacro:macro name="m"><link name="${nowhere}"/></xacro:macro>'
+    (tmp_path / "parts.xacro").write_text(f"<robot {XACRO}>{macro}<xacro:m/></robot>")
+    (path := tmp_path / "arm.xacro").write_text(including("parts.xacro"))
+    names = ("filestack", "macrostack", "all_includes", "substitution_args_context")
+    before = [repr(getattr(xacro, name)) for name in names]
+    with pytest.raises(ModelError, match="name 'nowhere' is not defined"):
+        load_urdf(path, xacro={"name": "arm"})
+    assert [repr(getattr(xacro, name)) for name in names] == before
+
+
 @pytest.mark.parametrize("home", ["arm_description", "arm_parts"])
 def test_packages_around_a_xacro_file_are_found_without_ros(tmp_path: Path, home: str) -> None:
     """The one that holds the file, whatever its folder is called, and one beside it."""
@@ -208,6 +260,21 @@ def test_packages_around_a_xacro_file_are_found_without_ros(tmp_path: Path, home
     path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find {home})/parts.xacro"/></robot>')
     assert load_urdf(path).bodies[0].joint.name == "elbow"
     assert "ament_index_python" not in sys.modules
+
+
+def test_a_package_without_package_xml_is_the_nearest_folder_of_its_name(tmp_path: Path) -> None:
+    """Unless another is the package by its package.xml."""
+    near, far = tmp_path / "robots" / "parts", tmp_path / "parts_of_all"
+    for folder, mass in {near: 1.0, far: 2.0}.items():
+        folder.mkdir(parents=True)
+        moving = f"{link('base')}{link('arm', mass)}{joint('elbow', 'base', 'arm')}"
+        (folder / "arm.xacro").write_text(f"<robot {XACRO}>{moving}</robot>")
+    (tmp_path / "robots" / "arm").mkdir()
+    (path := tmp_path / "robots" / "arm" / "arm.xacro").write_text(including("$(find parts)/arm.xacro"))
+    assert load_urdf(path).bodies[0].mass == 1.0
+    far.rename(far := tmp_path / "parts")
+    (far / "package.xml").write_text("<package><name>parts</name></package>")
+    assert load_urdf(path).bodies[0].mass == 2.0
 
 
 def test_where_ros_is_it_knows_the_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -227,7 +294,9 @@ def test_where_ros_is_it_knows_the_packages(tmp_path: Path, monkeypatch: pytest.
 def test_a_package_that_nobody_knows_is_named(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(f'<robot name="r" {XACRO}><xacro:include filename="$(find arm)/arm.xacro"/></robot>')
-    rule = r"no folder around this file is the package 'arm', and ROS, .* is not installed; put .*arm\.urdf\.xacro"
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "package.xml").write_text("<package><name>another</name></package>")
+    rule = r"file: no folder around this file is the package 'arm' or has its name, and ROS, .*; put .*arm\.urdf\.xacro"
     with pytest.raises(ModelError, match=rule):
         load_urdf(path)
 
@@ -263,7 +332,8 @@ def test_without_the_xacro_package_the_error_says_how_to_get_it(
 
 def test_xacro_elements_in_a_urdf_are_pointed_out() -> None:
     text = f'<robot {XACRO}>\n<xacro:macro name="m"/></robot>'
-    with pytest.raises(ModelError, match=r"xacro elements; give it the ending \.xacro \(arm\.urdf:2\)"):
+    remedy = r"give the file the ending \.xacro, or remove the element if the file is already expanded"
+    with pytest.raises(ModelError, match=rf"^<xacro:macro> is an element of xacro; {remedy} \(arm\.urdf:2\)"):
         parse_urdf(text, "arm.urdf")
 
 
