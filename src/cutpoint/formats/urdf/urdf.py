@@ -165,7 +165,9 @@ def _check_is_urdf(robot: Element, place: str) -> None:
         raise ModelError(f"the root element of a URDF is <robot>, got <{robot.tag}>{other}", place=at)
     for child in robot.children:
         if "xacro" in child.tag:
-            raise ModelError("this file has xacro elements; give it the ending .xacro", place=f"{place}:{child.line}")
+            own = f"<xacro:{child.tag.rpartition('}')[2]}> is an element of xacro"
+            remedy = "give the file the ending .xacro, or remove the element if the file is already expanded"
+            raise ModelError(f"{own}; {remedy}", place=f"{place}:{child.line}", tag=child.tag)
         dialect, _, tag = child.tag.removeprefix("{").rpartition("}")
         if dialect and tag in ("link", "joint"):
             told = f"<{tag}> of the dialect {dialect!r} is not read, and the tree lacks it: state it in plain URDF"
