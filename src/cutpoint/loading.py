@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from cutpoint.callers import warn
 from cutpoint.door import check_kind, check_truths, path_of
 from cutpoint.errors import InputError, ModelError
-from cutpoint.formats import drive_of, load_urdf
+from cutpoint.formats import load_urdf
+from cutpoint.formats.plain_drive import drives_of
 from cutpoint.model import Drive, Mechanism
 from cutpoint.model.drive_validation import DRIVES
 from cutpoint.model.mechanism import STANDARD_GRAVITY
@@ -42,7 +43,8 @@ def load(
     lock: coordinates (rad or m) at which joints are held fixed, by name; their drives are passed over.
     backend: how kernels are compiled: "llvm", "numpy", or "auto", LLVM where llvmlite is installed.
     Of a URDF only: floating_base carries the root link on a free joint; mimic joints are "independent" coordinates, or
-    "coupled" to their leader; mend_inertia adds to inertias that no mass can have what they lack, and warns of it.
+    "coupled" to their leader, whose drive then bears their friction; mend_inertia adds to inertias that no mass can
+    have what they lack, and warns of it.
     xacro: arguments of a .xacro file, as in {"ur_type": "ur10e"}.
     Raises ModelError, with file and line, for whatever is wrong in the files; InputError for other arguments.
     """
@@ -86,8 +88,7 @@ def _drives(
     locked: Collection[str],
 ) -> dict[str, Drive]:
     """For every driven joint: the given drive, or the robot file's, or its friction alone."""
-    joints = {body.joint.name: body.joint for body in mechanism.bodies}
-    drives = {name: drive_of(joints[name]) for name in mechanism.driven_joints} | dict(stated)
+    drives = drives_of(mechanism) | dict(stated)
     if isinstance(given, (str, PathLike)):
         from cutpoint.formats import load_drives  # slow to import
 
