@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from io import StringIO
 from pathlib import Path
 from typing import Any, get_args
 from unittest.mock import Mock
@@ -15,6 +16,8 @@ import numpy as np
 import pytest
 import typer
 from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Column, Table
 from typer.testing import CliRunner
 
 import cutpoint
@@ -22,10 +25,12 @@ from cutpoint import InputError, Log, ModelError, control, robots
 from cutpoint.commands import app, laws, shared
 from cutpoint.control.tuning import recipes
 from cutpoint.export import export_controller, export_function
+from cutpoint.reporting.fitting import print_table
 from cutpoint.reporting.folder import write
 from cutpoint.reporting.html import Heading
 from cutpoint.simulation import runner
 from cutpoint.simulation.log import plot as log_plot
+from robot_library import urdf
 
 ONE_JOINT = """<robot name="[/]arm:eyes:"><link name="base"/><link name="a[red]"><inertial><origin xyz="0.1 0 0"/>
 <mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
@@ -423,8 +428,93 @@ def test_limits_of_the_drive_are_shown_beside_those_of_the_robot_file(tmp_path: 
         limits = f"{{torque: {torque}, velocity: 2.5, position: [-0.5, .inf]}}"
         drives.write_text(f"version: 1\ndrives: {{swing: {{limits: {limits}}}}}\n", encoding="utf-8")
         told = " ".join(printed("inspect", str(tmp_path / "arm.urdf"), "--drives", str(drives)).split())
-        assert f"-57.3 to 57.3 deg │ {counts} │" in told and f"limit {torque} N m" in told
+        assert f"-57.3 to 57.3 deg │ 143.2 deg/s │ {counts} │" in told and f"limit {torque} N m" in told
         assert "limit 2.5 rad/s" in told and "from -28.65 to inf deg" in told
+
+
+FOLLOWING = """<link name="b"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>
+</inertial></link><joint name="finger" type="{kind}"><parent link="base"/><child link="b"/>
+<limit lower="-1" upper="1" effort="10" velocity="3"/><mimic joint="swing" {mimic}/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "mimic", "told"),
+    [
+        ("revolute", 'multiplier="-0.5" offset="0.1"', "follows swing x -0.5 + 0.1 rad"),
+        ("prismatic", 'multiplier="2" offset="-0.1"', "follows swing x 2 - 0.1 m"),
+        ("revolute", 'offset="0.1"', "follows swing + 0.1 rad"),
+        ("prismatic", "", "follows swing"),
+    ],
+)
+def test_a_coupled_mimic_joint_is_shown_with_whom_it_follows_and_without_limits(
+    kind: str, mimic: str, told: str, tmp_path: Path
+) -> None:
+    text = ONE_JOINT.format(joint="swing").replace("</robot>", FOLLOWING.format(kind=kind, mimic=mimic))
+    (path := tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    _, _, rows = printed("inspect", str(path), "--mimic", "coupled").partition("│ finger ")
+    cells = [line.split("│")[1:-1] for line in f"│ finger {rows}".partition("└")[0].splitlines()]
+    _, kinds, *_, position, speed, effort = (" ".join(" ".join(x).split()) for x in zip(*cells, strict=True))
+    assert (kinds, position, speed, effort) == (f"{kind} {told}", "-", "-", "-")
+
+
+def test_speed_limits_and_gravity_are_shown(tmp_path: Path) -> None:
+    (path := tmp_path / "arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    told = printed("inspect", str(path), "--gravity", "0", "1.5", "-9.7")
+    assert " 171.9 deg/s │" in told
+    assert "\ngravity: 0, 1.5, -9.7 m/s2 in the world's frame\n" in told
+    path.write_text(path.read_text("utf-8").replace("revolute", "prismatic").replace('velocity="3"', 'velocity="0.25"'))
+    assert " 0.25 m/s │" in printed("inspect", str(path))
+    path.write_text(path.read_text("utf-8").replace('velocity="0.25"', 'velocity="0"'))
+    assert "m/s " not in printed("inspect", str(path))
+
+
+def test_a_robot_that_stands_is_told_in_a_sentence(tmp_path: Path) -> None:
+    (path := tmp_path / "rack.urdf").write_text('<robot name="rack"><link name="base"/></robot>', encoding="utf-8")
+    gravity = "gravity: 0, 0, -9.81 m/s2 in the world's frame"
+    assert printed("inspect", str(path)) == f"rack has no moving joint.\n{gravity}\nframes: 'base'\n"
+
+
+PANDA = str(urdf("panda.urdf"))
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("inspect", "xia2019"),
+        ("inspect", PANDA, "--mimic", "coupled"),
+        ("torque", "xia2019", "--q", "1,1,1,1,1,1"),
+        ("torque", PANDA, "--mimic", "coupled", "--q", "0.1,0.2,0.3,-1,0.5,1,0.7,0.01"),
+        ("modes", "xia2019"),
+        ("simulate", "xia2019", "--to", "0.01,0,0,0,0,0", "--duration", "0.5"),
+        ("drive",),
+    ],
+    ids=lambda arguments: " ".join(Path(x).name for x in arguments),
+)
+def test_no_word_is_broken_on_a_terminal_of_80_columns(
+    arguments: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shared.console, "width", 400)
+    words = set(re.split(r"[\s│┃,]+", printed(*arguments)))
+    monkeypatch.setattr(shared.console, "width", 80)
+    narrow = printed(*arguments)
+    frames = re.compile("[┏┡└━┳╇┴─┓┩┘]+")
+    assert {word for word in re.split(r"[\s│┃,]+", narrow) if not frames.fullmatch(word)} <= words
+    assert max(map(len, narrow.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("width", [200, 60, 40, 33, 32, 20, 12])
+def test_a_table_is_no_wider_than_its_place_and_loses_nothing(width: int) -> None:
+    """Words are whole as long as there is room for the longest of each column."""
+    rows = [("left_shoulder", "0.25 to 0.75 rad", "stribeck, with load"), ("elbow", "-1.5 to 1 rad", "coulomb")]
+    columns = (Column(header, overflow="fold") for header in ("joint", "range between limits", "friction"))
+    table, written = Table(*columns), StringIO()
+    for row in rows:
+        table.add_row(*row)
+    print_table(table, Console(width=width, file=written))
+    shown, text = written.getvalue(), " ".join(itertools.chain(*rows))
+    assert max(map(len, shown.splitlines())) <= width
+    assert (set(text.split()) <= set(shown.split())) == (width >= 33)
+    assert all(shown.count(digit) == text.count(digit) for digit in "012457")
 
 
 @pytest.mark.parametrize("case", BAD_PLACES)

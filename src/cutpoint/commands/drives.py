@@ -19,6 +19,7 @@ from cutpoint.commands.shared import (
     say_path,
 )
 from cutpoint.errors import InputError
+from cutpoint.reporting.fitting import print_table
 
 
 @app.command(epilog="Example: cutpoint check arm.urdf cycle.csv --drives arm.drives.yaml --dwell 0.5 --plot check.png")
@@ -81,7 +82,7 @@ def drive(
     if name is None:
         if as_yaml or plot:
             raise InputError("--yaml and --plot need the NAME of a drive; cutpoint drive lists them")
-        return console.print(catalogue_table())
+        return print_table(catalogue_table(), console)
     check_targets(None, plot)
     if as_yaml:
         console.print(entry_text(name), soft_wrap=True, highlight=False, end="")

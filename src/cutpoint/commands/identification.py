@@ -11,6 +11,7 @@ from cutpoint.commands.shared import app, console, say_notes, say_path
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
 from cutpoint.model.tool import tool_frame_of
+from cutpoint.reporting.fitting import print_table
 
 Corners = tuple[float, float, float, float, float, float]
 
@@ -71,7 +72,7 @@ def excite(
         acceleration=acceleration, torque=torque, boxes=boxes, seconds=seconds, resume=output / FILES[1],
     )  # fmt: skip
     saved = save(found, output)
-    console.print(table_of(found))
+    print_table(table_of(found), console)
     for path in saved:
         say_path("saved", path)
 
@@ -164,7 +165,7 @@ def identify(
         xacro=robot.arguments, progress=True,
     )  # fmt: skip
     saved = found.save(output, force=force)
-    console.print(table_of(found))
+    print_table(table_of(found), console)
     for sentence in sentences(found):
         console.print(sentence, highlight=False)
     say_notes(file_notes(found))

@@ -30,6 +30,7 @@ from cutpoint.commands.tables import (
 )
 from cutpoint.errors import INTERRUPTED, InputError, SimulationError
 from cutpoint.model.limits import check_configuration
+from cutpoint.reporting.fitting import print_table
 
 MANY_SAMPLES = 100_000
 """Of a log; how large a longer one would be is looked at before it is run."""
@@ -46,8 +47,13 @@ def inspect(
 ) -> None:
     """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
     loaded = robot.load(floating_base=floating_base)
-    console.print(robot_table(loaded))
-    console.print(drive_table(loaded))
+    if not loaded.mechanism.bodies:
+        console.print(f"{loaded.name} has no moving joint.", highlight=False)
+    else:
+        print_table(robot_table(loaded, console), console)
+    if loaded.drives:
+        print_table(drive_table(loaded), console)
+    console.print(f"gravity: {', '.join(f'{x:g}' for x in loaded.gravity)} m/s2 in the world's frame", highlight=False)
     console.print(f"frames: {', '.join(map(repr, loaded.frames))}", highlight=False)
 
 
@@ -95,7 +101,7 @@ def simulate(
     except KeyboardInterrupt:
         raise KeyboardInterrupt("there is no log to save yet") from None
     keep(log, output, plot)
-    console.print(error_table(loaded, log))
+    print_table(error_table(loaded, log), console)
     say_notes(limits_met(loaded, log))
 
 
@@ -123,7 +129,7 @@ def modes(
     found = loaded.modes(position, friction=friction)
     if plot:
         keep_picture(found.plot(), plot)
-    console.print(modes_table(loaded, found))
+    print_table(modes_table(loaded, found), console)
 
 
 def _check_log_fits(

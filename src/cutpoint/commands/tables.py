@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
 from rich.table import Table
 
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
@@ -13,6 +14,8 @@ from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
 from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.mechanism import Joint, Limits, Mimic
+from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -25,41 +28,67 @@ ROUNDING = 1e-6
 """rad (m), by which a joint that starts or ends at its limits may exceed them without a note."""
 
 
-def robot_table(robot: Robot) -> Table:
-    """Bodies with their joints, masses and limits; the smaller of the robot file's effort and the drive's."""
+COLUMNS = ("joint", "kind", "carries", "carried by", "mass / kg", "position limits", "speed limit", "effort limit")
+STACKED = ("joint,\nkind", "carries,\ncarried by", "mass\nkg", "position\nlimits", "speed\nlimit", "effort\nlimit")
+"""Of robots, in one line each and, where it is narrow, in two."""
+
+NOTHING = ("-", "-", "-")
+"""Limits of a joint without any of its own."""
+
+
+def robot_table(robot: Robot, console: Console) -> Table:
+    """Bodies with their joints, masses and limits; the tighter of the robot file's limits and the drive's."""
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
-    table = _table(title, "joint", "kind", "carries", "carried by", "mass / kg", "position limits", "effort limit")
-    in_force = limits_in_force(robot.mechanism, robot.drives)
+    wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
+    stacked.columns[-1].no_wrap = True
+    in_force, bodies = limits_in_force(robot.mechanism, robot.drives), robot.mechanism.bodies
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
-    for body, mass in zip(robot.mechanism.bodies, masses, strict=True):
-        carrier = robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
-        slides, limits = body.joint.kind == "prismatic", body.joint.limits
-        position = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
-        most = in_force.get(body.joint.name, limits).effort
-        effort = "-" if np.isinf(most) else f"{most:g} {'N' if slides else 'N m'}"
-        table.add_row(body.joint.name, body.joint.kind, body.name, carrier, f"{mass:.4g}", position, effort)
-    return table
+    for body, mass in zip(bodies, masses, strict=True):
+        joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
+        kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
+        carrier = bodies[body.parent].name if body.parent >= 0 else "world"
+        limits = NOTHING if mimic else _in_words(joint, in_force.get(joint.name, joint.limits))
+        wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
+        stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
+    return wide if natural_width(wide, console) <= console.width else stacked
+
+
+def _following(mimic: Mimic, kind: str) -> str:
+    """Whom a joint follows, and how."""
+    parts = [f"x {mimic.multiplier:g}"] if mimic.multiplier != 1.0 else []
+    if mimic.offset:
+        parts.append(
+            f"{'-' if mimic.offset < 0.0 else '+'} {abs(mimic.offset):g} {'m' if kind == 'prismatic' else 'rad'}"
+        )
+    return f"follows {mimic.joint}" + (f"\n{' '.join(parts)}" if parts else "")
+
+
+def _in_words(joint: Joint, in_force: Limits) -> tuple[str, str, str]:
+    """A joint's own position limits, and the limits in force of speed and effort, where 0 stands for none."""
+    factor, length, force = (1.0, "m", "N") if joint.kind == "prismatic" else (180 / np.pi, "deg", "N m")
+    speed, effort = in_force.velocity or np.inf, in_force.effort or np.inf
+    return (
+        _range(joint.limits.lower, joint.limits.upper, factor, length),
+        "-" if np.isinf(speed) else f"{speed * factor:.4g} {length}/s",
+        "-" if np.isinf(effort) else f"{effort:g} {force}",
+    )
 
 
 def drive_table(robot: Robot) -> Table:
-    """Each joint's drive, at the joint's side."""
-    table = _table(
-        "drives, at the joint's side",
-        "joint",
-        "ratio",
-        "rotor",
-        "compliance",
-        "link friction",
-        "motor friction",
-        "also",
-    )
-    for (name, drive), slides in zip(robot.drives.items(), _slides(robot), strict=True):
-        rotor = f"{drive.reflected_inertia:.4g} {'kg' if slides else 'kg m2'}" if drive.rotor else "-"
-        laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
-        table.add_row(
-            name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive, slides) + _limits(drive, slides)) or "-"
-        )
+    """Each joint's drive, at the joint's side, without columns in which no drive has anything."""
+    names = ("joint", "ratio", "rotor", "compliance", "link friction", "motor friction", "also")
+    rows = [_drive_row(*drive, slides) for drive, slides in zip(robot.drives.items(), _slides(robot), strict=True)]
+    told = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cell != "-" for cell in cells)]
+    table = _table("drives, at the joint's side", *(names[k] for k in told))
+    for row in rows:
+        table.add_row(*(row[k] for k in told))
     return table
+
+
+def _drive_row(name: str, drive: Drive, slides: bool) -> tuple[str, ...]:
+    rotor = f"{drive.reflected_inertia:.4g} {'kg' if slides else 'kg m2'}" if drive.rotor else "-"
+    laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
+    return name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive, slides) + _limits(drive, slides)) or "-"
 
 
 def _limits(drive: Drive, slides: bool) -> list[str]:
@@ -98,7 +127,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
     rows = zip(robot.joints, _slides(robot), q, *torques, leads, strict=True)
     for name, slides, position, gravity, on_link, at_motor, lead in rows:
         table.add_row(
-            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.10g}", f"{at_motor:.10g}",
+            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.8g}", f"{at_motor:.8g}",
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
     table.caption = (

@@ -24,6 +24,7 @@ from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.model.limits import check_configuration
 from cutpoint.model.units import SLIDING
+from cutpoint.reporting.fitting import print_table
 
 CHANNELS = {
     "q": "rad", "v": "rad/s", "a": "rad/s2", "joint_torque": "N m", "motor_torque": "N m", "theta": "rad",
@@ -70,7 +71,7 @@ def torque(
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST))
-        console.print(motion_table(loaded, fine))
+        print_table(motion_table(loaded, fine), console)
         return say_notes(beyond_travel(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0)))
     if q is None:
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
@@ -80,7 +81,7 @@ def torque(
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
     torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
-    console.print(torque_table(loaded, position, speed, acceleration, torques))
+    print_table(torque_table(loaded, position, speed, acceleration, torques), console)
     say_notes(beyond_travel(loaded, position, position))
 
 

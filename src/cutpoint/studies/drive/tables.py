@@ -8,6 +8,7 @@ from rich.text import Text
 
 from cutpoint.formats.catalogue.catalogue import catalogue_gear, catalogue_names
 from cutpoint.formats.catalogue.sheets import CatalogueGear, Source
+from cutpoint.reporting.fitting import print_table
 from cutpoint.studies.drive.measured import Specimen
 from cutpoint.studies.drive.rows import derived, printed
 from cutpoint.studies.drive.text import estimate_note
@@ -35,7 +36,7 @@ def print_drive(name: str, console: Console) -> None:
     specimen = Specimen(name)
     for table in (_sheet(specimen), _laws(specimen)):
         if table.row_count:
-            console.print(table)
+            print_table(table, console)
     if note := estimate_note(name):
         console.print(Text(note, style="yellow"))
     for source in _sources(specimen.gear):
