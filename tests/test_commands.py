@@ -54,6 +54,14 @@ def printed(*arguments: str) -> str:
     return result.output
 
 
+OF_COMMANDS = typer.main.get_command(app).commands
+
+
+def taken_by(command: str) -> set[str]:
+    """The names of a command's arguments and options."""
+    return {x.name for x in OF_COMMANDS[command].params}
+
+
 def refuse(*_: object, **__: object) -> None:
     raise AssertionError("work was done first")
 
@@ -94,9 +102,9 @@ def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
 
 
-@pytest.mark.parametrize("name", typer.main.get_command(app).commands)
+@pytest.mark.parametrize("name", OF_COMMANDS)
 def test_the_example_of_a_command_has_options_that_it_takes(name: str) -> None:
-    command = typer.main.get_command(app).commands[name]
+    command = OF_COMMANDS[name]
     _, program, own, *arguments = shlex.split(command.epilog)
     assert (program, own) == ("cutpoint", name)
     command.make_context(name, arguments)
@@ -603,6 +611,44 @@ def test_a_joint_is_locked_at_one_place() -> None:
     with pytest.raises(InputError, match=r"--lock 'joint2=0.2': 'joint2' is already locked at 0.1; give one position"):
         twice = ["--lock=joint2=0.1", "--lock=joint2=0.2"]
         CliRunner().invoke(app, ["inspect", "xia2019", *twice], catch_exceptions=False)
+
+
+OF_FIVE = {
+    "torque": ("--q", "0,60,0,45,0"),
+    "modes": ("--q", "0,60,0,45,0"),
+    "simulate": ("--to", "0,3,0,2,0", "--duration", "0.1"),
+    "check": ("--to", "0,3,0,2,0", "--duration", "1"),
+}
+
+
+@pytest.mark.parametrize("command", [own for own in OF_COMMANDS if "degrees" in taken_by(own)])
+def test_joints_are_locked_in_degrees_where_angles_are_given_in_them(command: str) -> None:
+    arguments = (command, "xia2019", *OF_FIVE[command], "--degrees")
+    given = [CliRunner().invoke(app, [*arguments, f"--lock=joint2={place}"]).output for place in ("30", "60", "30.0")]
+    assert given[0] == given[2] != given[1]
+    radians = f"{np.radians(30):.17g}"
+    turned = ",".join(f"{np.radians(float(x)):.17g}" for x in OF_FIVE[command][1].split(","))
+    rest = (OF_FIVE[command][0], turned, *OF_FIVE[command][2:])
+    told = CliRunner().invoke(app, [command, "xia2019", *rest, f"--lock=joint2={radians}"]).output
+    assert told == given[0]
+
+
+def test_a_joint_that_slides_is_locked_in_metres_also_among_degrees(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    inner = re.findall(r"<link name=\"a.*</joint>", ONE_JOINT.format(joint="slide"), re.DOTALL)[0]
+    inner = (
+        inner.replace("a[red]", "b")
+        .replace("base", "a[red]")
+        .replace("revolute", "prismatic")
+        .replace("0 1 0", "1 0 0")
+    )
+    text = ONE_JOINT.format(joint="swing").replace("</robot>", f"{inner}</robot>")
+    Path("arm.urdf").write_text(text, encoding="utf-8")
+    degrees = printed("torque", "arm.urdf", "--lock", "slide=0.5", "--degrees", "--q", "0")
+    assert degrees == printed("torque", "arm.urdf", "--lock", "slide=0.5", "--q", "0")
+    assert degrees != printed("torque", "arm.urdf", "--lock", "slide=0.4", "--q", "0")
 
 
 @pytest.mark.parametrize("lock", ["joint2", "joint2=", "=0.1", "joint2=0.1rad"])

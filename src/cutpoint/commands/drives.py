@@ -51,7 +51,7 @@ def check(
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
-    loaded = robot.load()
+    loaded = robot.load(degrees=degrees)
     cycle = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:

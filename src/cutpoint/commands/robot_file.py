@@ -11,6 +11,7 @@ import typer
 
 import cutpoint
 from cutpoint.errors import InputError
+from cutpoint.model.holding import Degrees
 
 FILE = "URDF, xacro or MJCF file, or xia2019, the paper's arm."
 _PANEL = "Robot"
@@ -59,8 +60,8 @@ class RobotFile:
         _option("--xacro", metavar="NAME:=VALUE", help="Argument of a .xacro file; repeat for more arguments."),
     ] = None
 
-    def load(self, *, floating_base: bool = False) -> cutpoint.Robot:
-        """The robot.  Raises InputError and ModelError."""
+    def load(self, *, floating_base: bool = False, degrees: bool = False) -> cutpoint.Robot:
+        """The robot.  degrees: of --lock.  Raises InputError and ModelError."""
         path, drives = self.path, self.drives
         if not path.suffix and str(path) != "xia2019" and not path.exists():
             told = f"there is no file {str(path)!r}, and the only arm that comes with cutpoint is xia2019"
@@ -68,8 +69,8 @@ class RobotFile:
         if str(path) == "xia2019":
             path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
         return cutpoint.load(
-            path, drives, mimic=self.mimic, lock=self._places(), gravity=self.gravity, mend_inertia=self.mend_inertia,
-            xacro=self.arguments, floating_base=floating_base,
+            path, drives, mimic=self.mimic, lock=self._places(degrees), gravity=self.gravity,
+            mend_inertia=self.mend_inertia, xacro=self.arguments, floating_base=floating_base,
         )  # fmt: skip
 
     @property
@@ -90,9 +91,9 @@ class RobotFile:
             arguments[name] = value
         return arguments
 
-    def _places(self) -> dict[str, float]:
+    def _places(self, degrees: bool) -> dict[str, float]:
         """Where joints are locked.  Raises InputError."""
-        places: dict[str, float] = {}
+        places, unit = dict[str, float](), "degrees" if degrees else "rad"
         for lock in self.lock or []:
             joint, _, place = lock.rpartition("=")
             if joint in places:
@@ -100,12 +101,12 @@ class RobotFile:
                     f"--lock {lock!r}: {joint!r} is already locked at {places[joint]:g}; give one position"
                 )
             try:
-                places[joint] = float(place)
+                places[joint] = Degrees(place) if degrees else float(place)
             except ValueError:
                 joint = ""
             if not joint:
                 raise InputError(
-                    f"--lock {lock!r} must be JOINT=PLACE, such as finger_joint=0.02, in rad (m)", lock=lock
+                    f"--lock {lock!r} must be JOINT=PLACE, such as finger_joint=0.02, in {unit} (m)", lock=lock
                 )
         return places
 

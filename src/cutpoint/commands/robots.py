@@ -85,7 +85,7 @@ def simulate(
 ) -> None:
     """Simulate a robot under a control law, along a file's motion or a rest-to-rest cycloid; report the errors."""
     check_targets(output, plot)
-    loaded = robot.load()
+    loaded = robot.load(degrees=degrees)
     motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     controller = law_of(loaded, law, bandwidth, feedforward, period, guard=guard)
     try:
@@ -123,7 +123,7 @@ def modes(
 ) -> None:
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
-    loaded = robot.load()
+    loaded = robot.load(degrees=degrees)
     position = numbers_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)

@@ -62,7 +62,10 @@ _wide = sys.stdout is None or not sys.stdout.isatty()
 console = Console(width=120 if _wide else None, markup=False, emoji=False)
 
 # metavar: otherwise an option without a value would be shown with one
-Degrees = Annotated[bool, typer.Option("--degrees", metavar="", help="Angles and their rates are given in degrees.")]
+Degrees = Annotated[
+    bool,
+    typer.Option("--degrees", metavar="", help="Angles, also those of --lock, and their rates are given in degrees."),
+]
 Smoothing = Annotated[
     float | None,
     typer.Option(
@@ -102,7 +105,9 @@ def motion_of(
     start, end = ends
     if file is not None:
         if start or end or duration is not None or degrees:
-            rule = "leave out --to, --from, --duration and --degrees; its first line names the units"
+            rule = (
+                "leave out --to, --from, --duration and --degrees; its first line names the units, and --lock is in rad"
+            )
             raise InputError(f"trajectory {str(file)!r} is already a motion: {rule}", path=file)
         sliding = robot.mechanism.sliding
         smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=smoothing, sliding=sliding)

@@ -62,10 +62,10 @@ def torque(
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
     check_targets(output, plot)
-    loaded = robot.load()
+    loaded = robot.load(degrees=degrees)
     if trajectory is not None:
         if q is not None or v or a or degrees:
-            rule = "leave out --q, --v, --a and --degrees; its first line names the units"
+            rule = "leave out --q, --v, --a and --degrees; its first line names the units, and --lock is in rad"
             raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
         if output or plot:

@@ -1,5 +1,6 @@
 """Joints that do not move on their own: locked ones, and mimics, which follow a leader."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,18 +16,30 @@ LONGEST_CHAIN = 16
 """Of mimics of mimics, in joints."""
 
 
+class Degrees(float):
+    """Where a joint is locked, in degrees; of a joint that slides, in m."""
+
+
 def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, places: Places) -> list[Joint]:
     """The joints with locked ones fixed at their value, and every mimic pointing at the leader of its chain.
 
+    lock: rad (m), or `Degrees`, by joint.
     If followers are coupled, those of a locked leader are locked too.  If not, they are free, even if their leader does
     not exist.
     Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a circular
     mimic or one of a joint that does not move, numbers beyond those of any machine.
     """
-    holder = _Holder({joint.name: joint for joint in joints}, lock, coupled, places)
+    by_name = {joint.name: joint for joint in joints}
+    lock = {name: _in_radians(by_name.get(name), value) for name, value in lock.items()}
+    holder = _Holder(by_name, lock, coupled, places)
     for name, value in lock.items():
         holder.check_lock(name, value)
     return [holder.held(joint) for joint in joints]
+
+
+def _in_radians(joint: Joint | None, value: float) -> float:
+    slides = joint is not None and joint.kind == "prismatic"
+    return math.radians(value) if isinstance(value, Degrees) and not slides else value
 
 
 def fixed_at(joint: Joint, value: float) -> Joint:
