@@ -539,6 +539,48 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
         CliRunner().invoke(app, arguments, catch_exceptions=False)
 
 
+MOTION = "t,swing\n" + "".join(f"{t},0.1\n" for t in range(9))
+LOSSES = {
+    "itself": ("torque", "motion.csv", "--output", "motion.csv"),
+    "by another name": ("simulate", "motion.csv", "--output", "./folder/../motion.csv"),
+    "by a link": ("simulate", "motion.csv", "--output", "link.csv"),
+    "a picture of a link": ("torque", "motion.csv", "--plot", "link.png"),
+    "numbers of a link": ("check", "motion.csv", "--json", "link.json"),
+}
+
+
+@pytest.mark.parametrize("case", LOSSES)
+def test_no_command_writes_over_a_file_that_it_reads(
+    case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cutpoint.load", refuse)
+    Path("folder").mkdir()
+    Path("motion.csv").write_text(MOTION, encoding="utf-8")
+    for ending in ("csv", "png", "json"):
+        Path(f"link.{ending}").symlink_to("motion.csv")
+    command, *rest = LOSSES[case]
+    told = rf"{rest[1]} '{rest[2].removeprefix('./')}' is the same file as the input 'motion.csv', which would be lost"
+    with pytest.raises(InputError, match=f"{told}: name another file"):
+        CliRunner().invoke(app, [command, "xia2019", *rest], catch_exceptions=False)
+    assert Path("motion.csv").read_text(encoding="utf-8") == MOTION
+
+
+def test_models_that_are_identified_and_pictures_go_into_no_file_that_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("cutpoint.load", refuse)
+    Path("robot.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"--output 'robot.urdf' is the same file as the input 'robot.urdf'"):
+        options = ("identify", "robot.urdf", "log.csv", "--output", ".", "--force")
+        CliRunner().invoke(app, options, catch_exceptions=False)
+    Log([0.0], {"x": [0.0]}, {"x": ""}, ()).save("run.npz")
+    Path("link.png").symlink_to("run.npz")
+    with pytest.raises(InputError, match=r"--output 'link.png' is the same file as the input 'run.npz'"):
+        CliRunner().invoke(app, ["plot", "run.npz", "--output", "link.png"], catch_exceptions=False)
+
+
 @pytest.mark.parametrize("study", ["paper", "cost", "compare"])
 def test_a_report_goes_to_no_folder_that_holds_anothers(study: str, tmp_path: Path) -> None:
     (tmp_path / "index.html").write_text("mine")

@@ -7,7 +7,7 @@ import typer
 
 import cutpoint
 from cutpoint.commands.robot_file import RobotFile, takes_robot
-from cutpoint.commands.shared import app, console, say_notes, say_path
+from cutpoint.commands.shared import app, check_apart, console, say_notes, say_path
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
 from cutpoint.model.tool import tool_frame_of
@@ -153,10 +153,12 @@ def identify(
     a mapping file: see docs/identification.md.
     """
     from cutpoint.identification.output import identify as identified
-    from cutpoint.identification.output.saving import check_folder, file_notes
+    from cutpoint.identification.output.saving import FILES, check_folder, file_notes
     from cutpoint.identification.output.terminal import sentences, table_of
 
     check_folder(output, force)
+    for name in FILES:
+        check_apart("--output", output / name, [robot.path, robot.drives, mapping, *logs])
     loaded = robot.load()
     file = cutpoint.robots.XIA2019_URDF if str(robot.path) == "xia2019" else robot.path
     found = identified(

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import OF_A_RUN, app, check_target, keep_picture
+from cutpoint.commands.shared import OF_A_RUN, app, check_apart, check_target, keep_picture
 from cutpoint.errors import InputError
 
 
@@ -23,6 +23,7 @@ def plot(
     from cutpoint.simulation.log.plot import picture
 
     check_target("output", output, (".png", ".pdf", ".svg"))
+    check_apart("--output", output, logs)
     if twice := next((path for path in logs if logs.count(path) > 1), None):
         raise InputError(f"{str(twice)!r} is named twice; name each log once", path=twice)
     # files of the same name are distinguished by their folders

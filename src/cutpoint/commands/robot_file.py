@@ -10,11 +10,15 @@ from typing import Annotated, Any, Literal
 import typer
 
 import cutpoint
+from cutpoint.commands.shared import check_apart
 from cutpoint.errors import InputError
 from cutpoint.model.holding import Degrees
 
 FILE = "URDF, xacro or MJCF file, or xia2019, the paper's arm."
 _PANEL = "Robot"
+
+TARGETS = ("output", "plot", "json")
+"""Options for files that a command writes."""
 
 Command = Callable[..., None]
 
@@ -126,6 +130,9 @@ def takes_robot(default: str | None = None, *, file: str = FILE) -> Callable[[Co
 
         @wraps(command)
         def run(**given: Any) -> None:
+            for name in TARGETS:
+                if given.get(name) is not None:
+                    check_apart(f"--{name}", given[name], [x for key, x in given.items() if key not in TARGETS])
             fields = {x.name: given.pop(x.name) for x in (path, *options)}
             command(**{robot.name: RobotFile(**fields)}, **given)
 

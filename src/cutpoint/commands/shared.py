@@ -154,6 +154,14 @@ def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None
     check_target_file(path, f"--{option}")
 
 
+def check_apart(option: str, target: Path, given: Iterable[Any]) -> None:
+    """Raises InputError for a file to write that is one of those to read.  given: arguments, paths among them."""
+    for path in given:
+        if isinstance(path, Path) and path.is_file() and target.exists() and target.samefile(path):
+            told = f"{option} {str(target)!r} is the same file as the input {str(path)!r}"
+            raise InputError(f"{told}, which would be lost: name another file", path=target)
+
+
 def say_notes(notes: Iterable[str]) -> None:
     """Prints notes on a result, a line each."""
     for words in notes:
