@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cutpoint import Log
 from cutpoint.errors import InputError
 from cutpoint.trajectories import csv_file, cycloid, from_csv, from_samples
 
@@ -18,6 +19,30 @@ def written(folder: Path, header: str, data: np.ndarray = POSITIONS, encoding: s
     path = folder / "motion.csv"
     path.write_text(text, encoding=encoding)
     return path
+
+
+@pytest.mark.parametrize("channels", [("q", "reference_q", "effort"), ("effort", "q")])
+def test_a_log_gives_its_references_motion_or_else_that_of_its_links(tmp_path: Path, channels: tuple[str, ...]):
+    values = {"q": POSITIONS + 0.01, "reference_q": POSITIONS, "effort": 100.0 + POSITIONS}
+    units = {"q": ("rad", "rad", "m"), "reference_q": ("rad", "rad", "m"), "effort": ("N m", "N m", "N")}
+    path = tmp_path / "run.csv"
+    of_log = {name: values[name] for name in channels}
+    Log(TIMES, of_log, {name: units[name] for name in channels}, ("upper, arm", "elbow", "lift")).save(path)
+    found = from_csv(path, ["lift", "upper, arm"], sliding=("lift",))
+    expected = values["reference_q" if "reference_q" in channels else "q"][:, [2, 0]]
+    assert found.joints == ("lift", "upper, arm")
+    assert np.array_equal(found(TIMES).q, from_samples(TIMES, expected)(TIMES).q)
+
+
+def test_a_log_without_a_motion_is_refused_and_so_is_a_line_that_is_cut_off(tmp_path: Path):
+    path = tmp_path / "run.csv"
+    Log(TIMES, {"effort": POSITIONS}, {"effort": "N m"}, ("a", "b", "c")).save(path)
+    with pytest.raises(InputError, match=r"this is a cutpoint log without a motion: it has neither reference_q nor q;"):
+        from_csv(path)
+    Log(TIMES, {"q": POSITIONS}, {"q": "rad"}, ("a", "b", "c")).save(path)
+    path.write_text(path.read_text("utf-8") + "3.0,1.0,2.0\n", "utf-8")
+    with pytest.raises(InputError, match=r"line has 3 cells: it must have 4, as the line of names \(.*run.csv:104\)"):
+        from_csv(path)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
@@ -101,7 +126,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have its own name"),
         ("t,elbow,\n" + GOOD, r"column '' must have its own name"),
         ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),
-        ("t,elbow\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the first line \(.*motion.csv:3\)"),
+        ("t,elbow\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the line of names \(.*motion.csv:3\)"),
         (
             "t,elbow\n0,1\n1,bent\n",
             r"position of joint 'elbow' is 'bent': it must be a finite .*\(.*motion.csv:3\)",

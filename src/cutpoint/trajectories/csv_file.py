@@ -3,16 +3,17 @@
 import csv
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from cutpoint.door import checked_names, path_of
-from cutpoint.errors import InputError, counted, listed, unknown_name
+from cutpoint.errors import InputError, listed, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.validation import DEGREES_BEYOND
+from cutpoint.trajectories.csv_rows import check_width, rows_of
 from cutpoint.trajectories.samples import Smoothed, from_samples
 
 TURNING = {"deg": math.pi / 180.0, "rad": 1.0}
@@ -51,7 +52,7 @@ def from_csv(
     """A smooth motion near the samples of a CSV file; see `from_samples` for the smoothing and what it warns of.
 
     The first line is `t, shoulder, elbow`, or with units `t [s], shoulder [deg], elbow [rad], lift [mm]`; a column
-    without one is in rad (m).
+    without one is in rad (m).  Of a log, a .csv of `Log.save`, the motion is its `reference_q`, or else its `q`.
 
     Args:
         path: UTF-8, comma separated.
@@ -84,22 +85,20 @@ def from_csv(
 
 
 def _read(
-    lines: Iterable[str], path: Path, sliding: Collection[str] | None, asked: Collection[str] | None
+    lines: Iterator[str], path: Path, sliding: Collection[str] | None, asked: Collection[str] | None
 ) -> tuple[list[Column], list[list[float]]]:
     """The columns of joints, and rows of time and positions in rad (m).  asked: the joints wanted; None for all."""
-    reader = csv.reader(lines)
-    columns = _header(next(reader, list[str]()), f"{path}:1")
+    table = rows_of(lines, path)
+    head, titles = next(table, (f"{path}:1", list[str]()))
+    columns = _header(titles, head)
     names = [column.name for column in columns]
     for name in asked or ():
         if name not in names:
             raise unknown_name("column", name, names, place=path)
     if sliding is not None:  # of joints that nobody asks for it is not known whether they slide
-        columns = [_held_against(x, sliding, f"{path}:1") if x.name in (asked or names) else x for x in columns]
+        columns = [_held_against(x, sliding, head) if x.name in (asked or names) else x for x in columns]
     rows: list[list[float]] = []
-    for cells in reader:
-        if len(cells) < 2 and not "".join(cells).strip():
-            continue
-        place = f"{path}:{reader.line_num}"
+    for place, cells in table:
         row = _row(cells, columns, place)
         if rows and row[0] <= rows[-1][0]:
             raise InputError(f"time {row[0]} s must be later than {rows[-1][0]} s, the one before it", place=place)
@@ -147,9 +146,7 @@ def _column(cell: str, place: str) -> Column:
 
 
 def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
-    if len(cells) != 1 + len(columns):
-        rule = f"it must have {1 + len(columns)}, as the first line"
-        raise InputError(f"line has {counted(len(cells), 'cell')}: {rule}", place=place)
+    check_width(cells, 1 + len(columns), place)
     time = _number(cells[0], "time", place)
     return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
 
