@@ -675,6 +675,33 @@ def test_joints_are_locked_in_degrees_where_angles_are_given_in_them(command: st
     assert told == given[0]
 
 
+@pytest.mark.parametrize(
+    ("command", "option", "rest"),
+    [
+        ("torque", "--q", ()),
+        ("modes", "--q", ()),
+        ("simulate", "--to", ("--duration", "1")),
+        ("check", "--to", ("--duration", "1")),
+        ("simulate", "--from", ("--to", "0,0,0,0,0,0", "--duration", "1")),
+    ],
+)
+def test_angles_of_many_turns_are_taken_for_degrees_that_nobody_stated(
+    command: str, option: str, rest: tuple[str, ...]
+) -> None:
+    told = rf"{option}: joint 'joint2': position -12.57 looks like degrees; add --degrees"
+    with pytest.raises(InputError, match=told):
+        CliRunner().invoke(app, [command, "xia2019", option, "12.56,-12.57,0,0,0,0", *rest], catch_exceptions=False)
+
+
+def test_lengths_speeds_and_stated_degrees_may_be_large(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    printed("torque", "xia2019", "--q", "1000,0,0,0,0,0", "--degrees")
+    printed("torque", "xia2019", "--q", "0,0,0,0,0,0", "--v", "20,0,0,0,0,0", "--a", "100,0,0,0,0,0")
+    sliding = ONE_JOINT.format(joint="slide").replace("revolute", "prismatic").replace('"-1"', '"-50"')
+    Path("arm.urdf").write_text(sliding.replace('"1" effort', '"50" effort'), encoding="utf-8")
+    printed("torque", "arm.urdf", "--q", "20")
+
+
 def test_a_joint_that_slides_is_locked_in_metres_also_among_degrees(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -18,7 +18,7 @@ from cutpoint.commands.shared import (
     keep,
     keep_picture,
     motion_of,
-    numbers_of,
+    positions_of,
     say_notes,
 )
 from cutpoint.commands.tables import (
@@ -124,7 +124,7 @@ def modes(
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
     loaded = robot.load(degrees=degrees)
-    position = numbers_of(loaded, "q", q, degrees)
+    position = positions_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)
     if plot:

@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 import cutpoint
 from cutpoint.errors import INTERRUPTED, InputError, counted
 from cutpoint.files import check_target_file, save_figure
+from cutpoint.model.validation import DEGREES_BEYOND
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -93,6 +94,16 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
     return np.where([name in sliding for name in robot.joints], numbers, np.radians(numbers))
 
 
+def positions_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
+    """The same for positions.  Raises InputError for angles that look like degrees, without --degrees."""
+    numbers = numbers_of(robot, option, text, degrees)
+    for name, x in zip(robot.joints, numbers.tolist(), strict=True):
+        if abs(x) > DEGREES_BEYOND and not degrees and name not in robot.mechanism.sliding:
+            told = f"joint {name!r}: position {x} looks like degrees; add --degrees (give many turns in degrees, too)"
+            raise InputError(f"--{option}: {told}", joint=name)
+    return numbers
+
+
 def motion_of(
     robot: cutpoint.Robot,
     file: Path | None,
@@ -117,8 +128,8 @@ def motion_of(
         raise InputError("--smoothing applies only to the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:
         raise InputError("a motion is needed: give a CSV file TRAJECTORY, or --to with --duration")
-    goal = numbers_of(robot, "to", end, degrees)
-    return cutpoint.trajectories.cycloid(goal, duration, start=numbers_of(robot, "from", start, degrees))
+    goal = positions_of(robot, "to", end, degrees)
+    return cutpoint.trajectories.cycloid(goal, duration, start=positions_of(robot, "from", start, degrees))
 
 
 def _listed(option: str, text: str, count: int) -> Any:

@@ -17,6 +17,7 @@ from cutpoint.commands.shared import (
     keep,
     motion_of,
     numbers_of,
+    positions_of,
     say_notes,
 )
 from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
@@ -77,7 +78,8 @@ def torque(
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
     if output or plot or smoothing is not None:
         raise InputError("torque: --output, --plot and --smoothing apply only to a CSV file TRAJECTORY: leave them out")
-    position, speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("q", q), ("v", v), ("a", a)))
+    position = positions_of(loaded, "q", q, degrees)
+    speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
     torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
