@@ -24,6 +24,11 @@ def check_readable(path: Path, largest: int) -> None:
         raise InputError(f"file of {size:,} bytes is too large: at most {largest:,} are read", place=path, size=size)
 
 
+def delimiter_of(line: str) -> str:
+    """What separates the cells of a line of text: the first of semicolon, tab and comma that it contains, or blanks."""
+    return next((mark for mark in ";\t," if mark in line), " ")
+
+
 def check_target_file(path: Path, name: str = "output") -> None:
     """Checks a target before the work whose result is to be written there.
 

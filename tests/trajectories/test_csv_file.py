@@ -60,6 +60,25 @@ def test_degrees_are_converted_where_the_header_says_so(tmp_path: Path):
     )
 
 
+@pytest.mark.parametrize(("mark", "point"), [(";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", ".")])
+def test_a_motion_may_be_separated_and_pointed_as_spreadsheets_do(tmp_path: Path, mark: str, point: str):
+    path = written(tmp_path, "t [s],a,b,c")
+    head, *lines = path.read_text("utf-8").split("\n")
+    text = "\n".join(line.replace(".", point) for line in [x.replace(", ", mark) for x in lines])
+    path.write_text(f"{head.replace(',', mark)}\n{text}", "utf-8")
+    assert np.array_equal(from_csv(path)(TIMES).q, from_samples(TIMES, POSITIONS)(TIMES).q)
+
+
+@pytest.mark.parametrize(("unit", "second"), [("s", 1.0), ("ms", 1e3), ("us", 1e6)])
+def test_times_are_in_the_unit_that_the_first_line_names(tmp_path: Path, unit: str, second: float):
+    rows = "\n".join(",".join(map(repr, row)) for row in np.column_stack([second * TIMES, POSITIONS]).tolist())
+    path = tmp_path / "motion.csv"
+    path.write_text(f"t [{unit}],a,b,c\n{rows}\n", "utf-8")
+    same = from_samples(TIMES, POSITIONS)
+    assert from_csv(path).duration == pytest.approx(same.duration, rel=1e-15)
+    np.testing.assert_allclose(from_csv(path)(TIMES).q, same(TIMES).q, rtol=0, atol=1e-12)
+
+
 def test_millimetres_are_converted_too(tmp_path: Path):
     path = written(tmp_path, "t,a,b,c [mm]", POSITIONS * [1.0, 1.0, 1e3])
     same = from_samples(TIMES, POSITIONS)(TIMES).q
@@ -119,9 +138,10 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t,elbow [deg] x\n" + GOOD, r"column 'elbow \[deg\] x' must be a name"),
         ("t,\x1bc\n0,1\n1,90\n", r"looks like degrees; name the unit in the first line, '\\x1bc \[deg\]' or"),
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
-        ("t;elbow\n0;1\n", r"first line 't;elbow' separates columns with ';': use commas, as in"),
-        ("t [s];elbow [deg]\n0;1\n", r"first line 't \[s\];elbow \[deg\]' separates columns with ';': use commas"),
-        ("t [ms],elbow\n" + GOOD, r"time is in 'ms': it must be in 's' \(.*motion.csv:1\)"),
+        ("t|elbow\n0|1\n", r"first line 't\|elbow' separates columns with '\|': use commas, as in"),
+        ("t;elbow\n0;1\n1,5;1,2,3\n", r"position of joint 'elbow' is '1.2.3': it must be a finite .*motion.csv:3\)"),
+        ("t [h],elbow\n" + GOOD, r"time is in 'h': it must be in 's', 'ms', 'us' \(.*motion.csv:1\)"),
+        ("t [ms],elbow\n0,1\n2,1\n1,2\n", r"time 0.001 s must be later than 0.002 s, the one before it \(.*csv:4\)"),
         ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'deg', 'rad', 'mm', 'm'"),
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have its own name"),
         ("t,elbow,\n" + GOOD, r"column '' must have its own name"),

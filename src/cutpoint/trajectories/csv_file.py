@@ -21,6 +21,9 @@ SLIDING = {"mm": 1e-3, "m": 1.0}
 UNITS = TURNING | SLIDING
 """What a position in each unit is multiplied with to be in rad (m)."""
 
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
+"""s."""
+
 HEAD = re.compile(r"\s*([^][]*?)\s*(?:\[\s*([^][]*?)\s*\]\s*)?")
 """A name and, if it is there, a unit in brackets."""
 
@@ -55,7 +58,7 @@ def from_csv(
     without one is in rad (m).  Of a log, a .csv of `Log.save`, the motion is its `reference_q`, or else its `q`.
 
     Args:
-        path: UTF-8, comma separated.
+        path: UTF-8, separated by commas, or by semicolons or tabs, with a decimal point or comma.
         joints: the columns wanted, in the order wanted; by default all of them in the file's order.
         sliding: names of prismatic joints, such as robot.mechanism.sliding; if given, units are checked against it.
 
@@ -90,7 +93,7 @@ def _read(
     """The columns of joints, and rows of time and positions in rad (m).  asked: the joints wanted; None for all."""
     table = rows_of(lines, path)
     head, titles = next(table, (f"{path}:1", list[str]()))
-    columns = _header(titles, head)
+    second, columns = _header(titles, head)
     names = [column.name for column in columns]
     for name in asked or ():
         if name not in names:
@@ -99,16 +102,17 @@ def _read(
         columns = [_held_against(x, sliding, head) if x.name in (asked or names) else x for x in columns]
     rows: list[list[float]] = []
     for place, cells in table:
-        row = _row(cells, columns, place)
+        row = _row(cells, second, columns, place)
         if rows and row[0] <= rows[-1][0]:
             raise InputError(f"time {row[0]} s must be later than {rows[-1][0]} s, the one before it", place=place)
         rows.append(row)
     return columns, rows
 
 
-def _header(cells: list[str], place: str) -> list[Column]:
-    if len(cells) == 1 and (other := next((x for x in ";\t|" if x in cells[0]), None)):
-        told = f"first line {cells[0][:200]!r} separates columns with {other!r}: use commas, {EXAMPLE}"
+def _header(cells: list[str], place: str) -> tuple[float, list[Column]]:
+    """The unit of time, s, and the columns of joints."""
+    if len(cells) == 1 and "|" in cells[0]:
+        told = f"first line {cells[0][:200]!r} separates columns with '|': use commas, {EXAMPLE}"
         raise InputError(told, place=place)
     found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
     if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
@@ -116,15 +120,16 @@ def _header(cells: list[str], place: str) -> list[Column]:
         raise InputError(
             f"first line {shown[:200]!r} must name the columns, {EXAMPLE}: time first, then joints", place=place
         )
-    if found[0].unit not in (None, "s"):
-        raise InputError(f"time is in {found[0].unit!r}: it must be in 's'", place=place)
+    time = found[0].unit or "s"
+    if time not in TIMES:
+        raise InputError(f"time is in {time!r}: it must be in {', '.join(map(repr, TIMES))}", place=place)
     names = [column.name for column in found]
     for column in found[1:]:
         if not column.name or names.count(column.name) > 1:
             raise InputError(f"column {column.name!r} must have its own name", place=place)
         if column.unit is not None and column.unit not in UNITS:
             raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
-    return found[1:]
+    return TIMES[time], found[1:]
 
 
 def _held_against(column: Column, sliding: Collection[str], place: str) -> Column:
@@ -145,9 +150,9 @@ def _column(cell: str, place: str) -> Column:
     return Column(read[1], read[2])
 
 
-def _row(cells: list[str], columns: list[Column], place: str) -> list[float]:
+def _row(cells: list[str], second: float, columns: list[Column], place: str) -> list[float]:
     check_width(cells, 1 + len(columns), place)
-    time = _number(cells[0], "time", place)
+    time = second * _number(cells[0], "time", place)
     return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
 
 

@@ -1,11 +1,12 @@
-"""Lines of a CSV file as cells; of a log that `Log.save` wrote, those of a motion."""
+"""Lines of a CSV file as cells, in the dialects of spreadsheets; of a log that `Log.save` wrote, those of a motion."""
 
 import csv
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 
 from cutpoint.errors import InputError, counted
+from cutpoint.files import delimiter_of
 
 Row = tuple[str, list[str]]
 """A line's place, for messages, and its cells."""
@@ -18,11 +19,24 @@ MOTIONS = ("reference_q", "q")
 
 
 def rows_of(lines: Iterator[str], path: Path) -> Iterator[Row]:
-    """The line that names the columns, then every line that is not empty."""
+    """The line that names the columns, then every line that is not empty.
+
+    If cells are separated by something other than commas, a comma may be the decimal point.
+    """
     first = next(lines, "")
-    reader = csv.reader(chain([first], lines))
+    is_log = first.startswith(OWN_LOG)
+    mark = "," if is_log else delimiter_of(first).replace(" ", ",")
+    reader = csv.reader(chain([first], lines), delimiter=mark)
     rows = ((f"{path}:{reader.line_num}", cells) for cells in reader if len(cells) > 1 or "".join(cells).strip())
-    return _motion_of_log(rows, path) if first.startswith(OWN_LOG) else rows
+    if is_log:
+        return _motion_of_log(rows, path)
+    return rows if mark == "," else _with_points(rows)
+
+
+def _with_points(rows: Iterator[Row]) -> Iterator[Row]:
+    yield from islice(rows, 1)
+    for place, cells in rows:
+        yield place, [cell.replace(",", ".") for cell in cells]
 
 
 def check_width(cells: list[str], width: int, place: str) -> None:

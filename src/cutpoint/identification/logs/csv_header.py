@@ -8,6 +8,7 @@ from itertools import chain
 from typing import NamedTuple, TextIO
 
 from cutpoint.errors import InputError
+from cutpoint.files import delimiter_of
 from cutpoint.identification.logs.csv_cells import is_word, number, split
 from cutpoint.identification.logs.units import known_unit, name_and_unit
 
@@ -47,8 +48,11 @@ def read_header(text: TextIO, file: str) -> Header:
         line, first = line + 1, _line(text, file, line + 1)
     if "\0" in first:
         raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
-    delimiter = told[1] if told else _delimiter(first)
-    titles, above = _cells(first, delimiter), _cells(comment.strip("#% \r\n"), told[1] if told else _delimiter(comment))
+    delimiter = told[1] if told else delimiter_of(first)
+    titles, above = (
+        _cells(first, delimiter),
+        _cells(comment.strip("#% \r\n"), told[1] if told else delimiter_of(comment)),
+    )
     if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
         return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
     return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
@@ -77,10 +81,6 @@ def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | Non
         rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; remove or correct it"
         raise InputError(f"the line below the names holds {shown!r}: {rule}", place=place)
     return [unit or "" for unit in units]
-
-
-def _delimiter(line: str) -> str:
-    return next((mark for mark in ";\t," if mark in line), " ")
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
