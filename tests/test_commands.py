@@ -249,8 +249,8 @@ def test_a_simulated_law_may_have_a_guard(tmp_path: Path) -> None:
             ["export", "xia2019", "out", "--law", "PD", "--to", "cuda"],
             "--to cuda applies only to --function: leave it out",
         ),
-        (["export", "xia2019", "out", "--law", "PD", "--bandwidth", "0"], "bandwidth 0.0 Hz must be positive"),
-        (["export", "xia2019", "out", "--law", "PD", "--period", "0"], "control_period 0.0 s must be positive"),
+        (["export", "xia2019", "out", "--law", "PD", "--bandwidth", "0"], "export: --bandwidth 0.0 must be positive"),
+        (["export", "xia2019", "out", "--law", "PD", "--period", "0"], "export: --period 0.0 must be positive"),
         (
             ["export", "xia2019", "out", "--function", "jacobian", "--guard"],
             "--guard applies only to --law: leave it out",
@@ -700,6 +700,37 @@ def test_lengths_speeds_and_stated_degrees_may_be_large(tmp_path: Path, monkeypa
     sliding = ONE_JOINT.format(joint="slide").replace("revolute", "prismatic").replace('"-1"', '"-50"')
     Path("arm.urdf").write_text(sliding.replace('"1" effort', '"50" effort'), encoding="utf-8")
     printed("torque", "arm.urdf", "--q", "20")
+
+
+@pytest.mark.parametrize(
+    ("command", "option"),
+    [
+        ("simulate", "--duration"),
+        ("simulate", "--bandwidth"),
+        ("simulate", "--period"),
+        ("torque", "--smoothing"),
+        ("torque", "--period"),
+        ("check", "--life"),
+        ("excite", "--seconds"),
+        ("excite", "--speed"),
+        ("identify", "--cutoff"),
+        ("compare", "--bandwidth"),
+    ],
+)
+def test_a_number_that_must_be_positive_is_refused_by_the_name_of_its_option(command: str, option: str) -> None:
+    logs = ("log.csv",) if command == "identify" else ()
+    result = CliRunner().invoke(app, [command, "xia2019", *logs, f"{option}=-2"], env={"COLUMNS": "200"})
+    assert f"{command}: {option} -2.0 must be positive and finite" in str(result.exception)
+
+
+def test_what_is_to_be_done_about_coarse_samples_names_the_option(tmp_path: Path) -> None:
+    path = tmp_path / "coarse.csv"
+    rows = "".join(f"{t},{(-1) ** t}{',0' * 5}\n" for t in range(5))
+    path.write_text(f"t,{','.join(f'joint{k}' for k in range(1, 7))}\n{rows}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"give samples closer in time, or a bandwidth \(--smoothing\); in Python, at"):
+        CliRunner().invoke(app, ["torque", "xia2019", str(path)], catch_exceptions=False)
+    with pytest.raises(InputError, match=r"bandwidth 50.0 Hz \(--smoothing\) must lie between"):
+        CliRunner().invoke(app, ["torque", "xia2019", str(path), "--smoothing", "50"], catch_exceptions=False)
 
 
 def test_a_joint_that_slides_is_locked_in_metres_also_among_degrees(

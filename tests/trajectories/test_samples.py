@@ -135,9 +135,12 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"bandwidth": 1000.0}, r"bandwidth 1000.0 Hz must lie between .* and 100 Hz, half of the sampling rate"),
-        ({"bandwidth": 0.1}, r"bandwidth 0.1 Hz must lie between 0.125 Hz, half a period in 4 s"),
-        ({"bandwidth": np.nan}, r"bandwidth nan Hz must lie between"),
+        (
+            {"bandwidth": 1000.0},
+            r"bandwidth 1000.0 Hz \(--smoothing\) must lie between .* and 100 Hz, half of the sampling rate",
+        ),
+        ({"bandwidth": 0.1}, r"bandwidth 0.1 Hz \(--smoothing\) must lie between 0.125 Hz, half a period in 4 s"),
+        ({"bandwidth": np.nan}, r"bandwidth nan Hz \(--smoothing\) must lie between"),
         ({"bandwidth": "10"}, r"bandwidth must be one number, Hz, got '10'"),
         ({"joints": 3}, r"joints must be names, such as robot.joints, got 3"),
         ({"joints": ["a", "b"]}, r"2 joint names must match the number of positions, 1"),

@@ -7,7 +7,7 @@ import typer
 
 from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name, by_name, law_of
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
-from cutpoint.commands.shared import app, say_path
+from cutpoint.commands.shared import above_zero, app, say_path
 from cutpoint.errors import InputError
 from cutpoint.functions.exported import RESULTS
 from cutpoint.mechanics.kinematics import ExpressedIn
@@ -34,10 +34,15 @@ def export(
             help="Export a law of cutpoint.control instead, with gains as in simulate.",
         ),
     ] = None,
-    bandwidth: Annotated[float | None, typer.Option(help="Bandwidth of the law, Hz; default 5.")] = None,
+    bandwidth: Annotated[
+        float | None, typer.Option(callback=above_zero, help="Bandwidth of the law, Hz; default 5.")
+    ] = None,
     feedforward: Feed = None,
     period: Annotated[
-        float | None, typer.Option("--period", "--control-period", help="Control period of the law, s; default 0.001.")
+        float | None,
+        typer.Option(
+            "--period", "--control-period", callback=above_zero, help="Control period of the law, s; default 0.001."
+        ),
     ] = None,
     guard: Guarded = False,
     to: Annotated[

@@ -10,6 +10,7 @@ from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
     Smoothing,
+    above_zero,
     app,
     check_target,
     check_targets,
@@ -30,13 +31,13 @@ def check(
         Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time and joint positions.")
     ] = None,
     to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
-    duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
+    duration: Annotated[float | None, typer.Option(callback=above_zero, help="Duration of the cycloid, s.")] = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
     smoothing: Smoothing = None,
-    dwell: Annotated[float, typer.Option(help="Pause at the last position after the motion, s.")] = 0.0,
-    period: Annotated[float, typer.Option(help="Longest time between samples, s.")] = 1e-3,
-    life: Annotated[float | None, typer.Option(help="Required life of the gears, hours.")] = None,
+    dwell: Annotated[float, typer.Option(min=0.0, help="Pause at the last position after the motion, s.")] = 0.0,
+    period: Annotated[float, typer.Option(callback=above_zero, help="Longest time between samples, s.")] = 1e-3,
+    life: Annotated[float | None, typer.Option(callback=above_zero, help="Required life of the gears, hours.")] = None,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Save all numbers: .json.")] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the torque-speed planes: .png, .pdf or .svg.")

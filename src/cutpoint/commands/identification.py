@@ -7,7 +7,7 @@ import typer
 
 import cutpoint
 from cutpoint.commands.robot_file import RobotFile, takes_robot
-from cutpoint.commands.shared import app, check_apart, console, say_notes, say_path
+from cutpoint.commands.shared import above_zero, app, check_apart, console, say_notes, say_path
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder
 from cutpoint.model.tool import tool_frame_of
@@ -20,25 +20,38 @@ Corners = tuple[float, float, float, float, float, float]
 @takes_robot()
 def excite(
     robot: RobotFile,
-    duration: Annotated[float, typer.Option(help="Duration of the motion, s: a whole number of its periods.")] = 10.0,
-    harmonics: Annotated[int, typer.Option(help="Harmonics of the base frequency in each joint; at least 3.")] = 5,
+    duration: Annotated[
+        float, typer.Option(callback=above_zero, help="Duration of the motion, s: a whole number of its periods.")
+    ] = 10.0,
+    harmonics: Annotated[
+        int, typer.Option(min=3, help="Harmonics of the base frequency in each joint; at least 3.")
+    ] = 5,
     base_frequency: Annotated[
-        float | None, typer.Option(help="Base frequency, Hz; default: one period in the whole duration.")
+        float | None,
+        typer.Option(callback=above_zero, help="Base frequency, Hz; default: one period in the whole duration."),
     ] = None,
     criterion: Annotated[
         Literal["determinant", "condition"],
         typer.Option(help="Maximise det(W^T W) or minimise the condition number of W."),
     ] = "determinant",
     travel: Annotated[
-        float, typer.Option(help="Share of the range between position limits to use: 0.9 keeps clear of stops.")
+        float,
+        typer.Option(
+            callback=above_zero, help="Share of the range between position limits to use: 0.9 keeps clear of stops."
+        ),
     ] = 1.0,
     speed: Annotated[
         float | None,
-        typer.Option(help="Largest speed of every joint, rad/s (m/s), if below what robot and drives state."),
+        typer.Option(
+            callback=above_zero, help="Largest speed of every joint, rad/s (m/s), if below what robot and drives state."
+        ),
     ] = None,
-    acceleration: Annotated[float | None, typer.Option(help="Largest acceleration, rad/s2 (m/s2).")] = None,
+    acceleration: Annotated[
+        float | None, typer.Option(callback=above_zero, help="Largest acceleration, rad/s2 (m/s2).")
+    ] = None,
     torque: Annotated[
-        float | None, typer.Option(help="Largest torque of every motor, at the joint's side, N m (N).")
+        float | None,
+        typer.Option(callback=above_zero, help="Largest torque of every motor, at the joint's side, N m (N)."),
     ] = None,
     box: Annotated[
         Corners | None,
@@ -50,7 +63,8 @@ def excite(
         str | None, typer.Option(help="Frame that stays in the box; default: the tool's, as in compare.")
     ] = None,
     seconds: Annotated[
-        float, typer.Option(help="Duration of the search; Ctrl-C ends it early with the best so far.")
+        float,
+        typer.Option(callback=above_zero, help="Duration of the search; Ctrl-C ends it early with the best so far."),
     ] = 30.0,
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for excitation.csv, .json (to resume from) and .png.")
@@ -132,10 +146,14 @@ def identify(
         typer.Option(help="Friction law of each joint: the one that predicts best, or the drive file's."),
     ] = "choose",
     cutoff: Annotated[
-        float | None, typer.Option(help="Cutoff for the positions, Hz; default: where they sink into their noise.")
+        float | None,
+        typer.Option(
+            callback=above_zero, help="Cutoff for the positions, Hz; default: where they sink into their noise."
+        ),
     ] = None,
     bandwidth: Annotated[
-        float | None, typer.Option(help="Bandwidth of the fitted torques, Hz; default: at most 10 Hz.")
+        float | None,
+        typer.Option(callback=above_zero, help="Bandwidth of the fitted torques, Hz; default: at most 10 Hz."),
     ] = None,
     delay: Annotated[
         float,

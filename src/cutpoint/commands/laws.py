@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, get_args
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import Rung
+from cutpoint.commands.shared import Rung, above_zero
 from cutpoint.errors import InputError, unknown_name
 
 Name = Literal[
@@ -38,7 +38,9 @@ Law = Annotated[
         "--law", parser=by_name, metavar=NAMES, help="Law of cutpoint.control: see which-controller.md in docs."
     ),
 ]
-Bandwidth = Annotated[float, typer.Option("--bandwidth", help="Bandwidth of the law, Hz, which sets its gains.")]
+Bandwidth = Annotated[
+    float, typer.Option("--bandwidth", callback=above_zero, help="Bandwidth of the law, Hz, which sets its gains.")
+]
 Feed = Annotated[
     Rung | None,
     typer.Option("--feedforward", help="How much of the model to feed forward with PD or PID; default elastic."),
@@ -46,7 +48,7 @@ Feed = Annotated[
 Guarded = Annotated[
     bool, typer.Option("--guard", metavar="", help="Wrap the law in a Guard: limits of robot and drives, and faults.")
 ]
-Period = Annotated[float, typer.Option("--period", "--control-period", help="Control period, s.")]
+Period = Annotated[float, typer.Option("--period", "--control-period", callback=above_zero, help="Control period, s.")]
 
 BANDWIDTH, PERIOD = 5.0, 1e-3
 """Hz, s: defaults."""

@@ -12,6 +12,7 @@ from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
     Smoothing,
+    above_zero,
     app,
     check_targets,
     console,
@@ -69,7 +70,7 @@ def simulate(
     to: Annotated[
         str, typer.Option(help="Without a file: final positions of a cycloid, rad (m), in the order of inspect.")
     ] = "",
-    duration: Annotated[float | None, typer.Option(help="Duration of the cycloid, s.")] = None,
+    duration: Annotated[float | None, typer.Option(callback=above_zero, help="Duration of the cycloid, s.")] = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
     law: Law = "PD",

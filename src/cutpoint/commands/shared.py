@@ -12,6 +12,7 @@ from rich.console import Console
 from typer.core import TyperGroup
 
 import cutpoint
+from cutpoint.door import positive
 from cutpoint.errors import INTERRUPTED, InputError, counted
 from cutpoint.files import check_target_file, save_figure
 from cutpoint.model.validation import DEGREES_BEYOND
@@ -58,6 +59,11 @@ def _of_all_commands(
     """Options before a command's name."""
 
 
+def above_zero(context: typer.Context, option: typer.CallbackParam, value: float | None) -> float | None:
+    """The value of an option that must be positive.  Raises InputError, which names the option."""
+    return None if value is None else positive(context.info_name or "cutpoint", option.opts[0], value)
+
+
 # names of robots and files are printed verbatim: brackets and colons in them are not markup
 _wide = sys.stdout is None or not sys.stdout.isatty()
 console = Console(width=120 if _wide else None, markup=False, emoji=False)
@@ -70,7 +76,9 @@ Degrees = Annotated[
 Smoothing = Annotated[
     float | None,
     typer.Option(
-        "--smoothing", help="Bandwidth to smooth a file's positions to, Hz; default 10, or what samples allow."
+        "--smoothing",
+        callback=above_zero,
+        help="Bandwidth to smooth a file's positions to, Hz; default 10, or what samples allow.",
     ),
 ]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]

@@ -9,7 +9,7 @@ import typer
 
 from cutpoint.commands.laws import Period
 from cutpoint.commands.robot_file import RobotFile, takes_robot
-from cutpoint.commands.shared import app
+from cutpoint.commands.shared import above_zero, app
 from cutpoint.errors import INTERRUPTED, InputError
 
 
@@ -57,7 +57,9 @@ def compare(
     output: Annotated[
         Path, typer.Option(metavar="DIR", help="Folder for the report, its figures and results.json.")
     ] = Path("compare"),
-    bandwidth: Annotated[float, typer.Option(help="Bandwidth of the PD that all laws are matched to, Hz.")] = 4.0,
+    bandwidth: Annotated[
+        float, typer.Option(callback=above_zero, help="Bandwidth of the PD that all laws are matched to, Hz.")
+    ] = 4.0,
     period: Period = 1e-3,
     payload: Annotated[
         float | None, typer.Option(help="Rated payload, kg; default: 2 for the paper's arm, 3 for others.")

@@ -11,6 +11,7 @@ from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
     Smoothing,
+    above_zero,
     app,
     check_targets,
     console,
@@ -21,7 +22,6 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
-from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.model.limits import check_configuration
 from cutpoint.model.units import SLIDING
@@ -53,7 +53,9 @@ def torque(
     a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; default zero.")] = "",
     degrees: Degrees = False,
     smoothing: Smoothing = None,
-    period: Annotated[float, typer.Option(help="Time between samples along a file's motion, s.")] = 1e-3,
+    period: Annotated[
+        float, typer.Option(callback=above_zero, help="Time between samples along a file's motion, s.")
+    ] = 1e-3,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a motion's torques and the motors' motion: .npz or .csv.")
     ] = None,
@@ -91,7 +93,6 @@ def torques_along(
     robot: cutpoint.Robot, trajectory: "cutpoint.trajectories.Trajectory", period: float
 ) -> "cutpoint.Log":
     """Motor torques along a motion, every `period` s; full rotor coupling as with `quasi_rigid`."""
-    positive("torque", "--period", period)
     if trajectory.duration / period > MOST:
         rule = f"this gives {trajectory.duration / period:.3g} samples, at most {MOST:g} are allowed: lengthen it"
         raise InputError(f"torque: --period {period:g} s: {rule}", period=period)

@@ -144,8 +144,8 @@ def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequen
     joint = int(np.argmax(np.where(far, deviation / np.maximum(ranges, 1e-300), 0.0)))
     raise InputError(
         f"smoothed to {bandwidth:.3g} Hz the motion leaves its samples by {deviation[joint]:.3g} rad (m), where "
-        f"{joint_name(names, joint)} moves by {ranges[joint]:.3g}: give samples closer in time, a bandwidth, or "
-        "at_rest=False for a motion cut out of a longer one; for points to pass through use `waypoints`",
+        f"{joint_name(names, joint)} moves by {ranges[joint]:.3g}: give samples closer in time, or a bandwidth "
+        "(--smoothing); in Python, at_rest=False for a motion cut out of a longer one, or `waypoints` to pass through",
         joint=joint,
         deviation=float(deviation[joint]),
     )
@@ -178,7 +178,7 @@ def _bandwidth(wanted: float | None, times: Array) -> float:
     wanted = number("from_samples", "bandwidth", wanted, "Hz")
     if not lowest <= wanted <= highest:
         raise InputError(
-            f"bandwidth {wanted} Hz must lie between {lowest:.3g} Hz, half a period in {duration:.6g} s, "
+            f"bandwidth {wanted} Hz (--smoothing) must lie between {lowest:.3g} Hz, half a period in {duration:.6g} s, "
             f"and {highest:.6g} Hz, half of the sampling rate",
             bandwidth=wanted,
         )
