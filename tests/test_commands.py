@@ -102,6 +102,14 @@ def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
 
 
+def test_torques_that_are_equal_are_printed_equal() -> None:
+    """At rest a link's drive bears gravity and nothing else."""
+    told = printed("torque", "xia2019", "--q", "0,30,60,0,45,0", "--degrees")
+    rows = [[cell.strip() for cell in line.split("│")] for line in told.splitlines() if line.startswith("│")]
+    assert len(rows) == 6 and all(gravity == on_link for _, _, _, gravity, on_link, *_ in rows)
+    assert "14.2307" in {row[3] for row in rows}
+
+
 @pytest.mark.parametrize("name", OF_COMMANDS)
 def test_the_example_of_a_command_has_options_that_it_takes(name: str) -> None:
     command = OF_COMMANDS[name]

@@ -127,7 +127,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
     rows = zip(robot.joints, _slides(robot), q, *torques, leads, strict=True)
     for name, slides, position, gravity, on_link, at_motor, lead in rows:
         table.add_row(
-            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.8g}", f"{at_motor:.8g}",
+            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.6g}", f"{at_motor:.6g}",
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
     table.caption = (
