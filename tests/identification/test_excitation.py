@@ -241,6 +241,11 @@ def test_a_share_of_the_travel_keeps_clear_of_stops() -> None:
             ' "cosine": [[0]]}',
             r"its joints.*another file \(resume=\) or folder \(--output\)",
         ),
+        (
+            '{"cutpoint_excitation": 1, "joints": ["shoulder", "elbow"], "base_frequency_Hz": 0.4, "centre": [0],'
+            ' "sine": [[0]], "cosine": [[0]]}',
+            r"0.4, must be 0.2 to resume .*; give the duration \(--duration\) that it had, or --base-frequency 0.4; to",
+        ),
     ],
 )
 def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Path, text: str, why: str) -> None:

@@ -22,6 +22,9 @@ VERSION = 1
 LEAST_STEPS = 10
 """Least number of rows of a trajectory in a file."""
 
+FREQUENCY = "base frequency in Hz"
+"""Without one, it is that of one period in the whole duration."""
+
 LARGEST_FILE = 10_000_000
 """Bytes: far more than the coefficients of a hundred joints need."""
 
@@ -72,7 +75,7 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
     fits = {
         "version": (version, VERSION),
         "joints": (joints, list(robot.joints)),
-        "base frequency in Hz": (told, base_frequency),
+        FREQUENCY: (told, base_frequency),
         "shapes of coefficients": (
             [centre.shape, sine.shape, cosine.shape],
             [(robot.nv,), (harmonics, robot.nv), (harmonics, robot.nv)],
@@ -86,6 +89,8 @@ def _check(path: Path, fits: dict[str, tuple[Any, Any]], coefficients: list[Arra
     for what, (found, wanted) in fits.items():
         if found != wanted:
             remedy = "to start afresh, name another file (resume=) or folder (--output)"
+            if what == FREQUENCY:
+                remedy = f"give the duration (--duration) that it had, or --base-frequency {found:g}; {remedy}"
             raise InputError(f"its {what}, {found!r}, must be {wanted!r} to resume from it; {remedy}", place=path)
     if not all(np.isfinite(x).all() for x in coefficients):
         raise InputError("its coefficients must be finite", place=path)
