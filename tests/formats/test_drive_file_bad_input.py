@@ -235,6 +235,11 @@ FILES = {
         "version: 1",
         "drive file: 'drives' is missing: one entry per driven joint, by joint name (arm.yaml:1)",
     ),
+    "defaults of nothing": (
+        "version: 1\ndefaults: {ratio: 100}\ndrives: {}",
+        "drive file: 'defaults' apply to joints that 'drives' names, but it names none; name the joints there, as in"
+        " 'shoulder: {}' (arm.yaml:2)",
+    ),
     "unknown section": (
         "version: 1\ndrivers: {}\ndrives: {}",
         "drive file: unknown key 'drivers'; known keys: 'version', 'defaults', 'drives'; did you mean 'drives'?"

@@ -61,6 +61,9 @@ def parse_drives(
     sheet = whole.read(FileSheet, document.value)
     if sheet.version != VERSION:
         raise whole.error(("version",), f"version {sheet.version:g} is unknown; this cutpoint reads version {VERSION}")
+    if sheet.defaults and not sheet.drives:
+        remedy = f"name the joints there, as in '{next(iter(mechanism.driven_joints), 'elbow')}: {{}}'"
+        raise whole.error(("defaults",), f"'defaults' apply to joints that 'drives' names, but it names none; {remedy}")
     joints = {body.joint.name: body.joint for body in mechanism.bodies}
     drives: dict[str, Drive] = {}
     doubts: dict[str, list[str]] = {}
