@@ -1,6 +1,7 @@
 """Errors: each says which thing, what was found, what was expected, where, and how to fix it."""
 
 import difflib
+import re
 from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
@@ -66,9 +67,12 @@ def unknown_name(kind: str, name: str, known: Collection[str], **kwargs: Any) ->
 
 
 def those_that_exist(name: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown name: the known names and the closest one; of many, only close ones."""
+    """The end of a message about an unknown name: the known names and the closest one; of many, only close ones.
+
+    None is close that differs in digits only: joint 6 of a robot with five is not its joint 5.
+    """
     known = list(known)
-    near = close_to(name, known) if len(known) > AT_A_GLANCE else []
+    near = [x for x in close_to(name, known) if not _numbered_alike(x, name)] if len(known) > AT_A_GLANCE else []
     if near and len(known) > LONG_LIST:
         return f"did you mean {' or '.join(map(repr, near))}?"
     meant = f"; did you mean {near[0]!r}?" if near else ""
@@ -82,6 +86,12 @@ def close_to(name: Any, known: Iterable[str]) -> list[str]:
     folded, asked = {str(one).casefold(): one for one in known}, name.casefold()[:LONGEST_GUESS]
     begun = [one for one in folded if asked and one.startswith(asked)][:MOST_GUESSED]
     return [folded[one] for one in begun or difflib.get_close_matches(asked, folded, MOST_GUESSED)]
+
+
+def _numbered_alike(one: str, other: str) -> bool:
+    """Whether two names, whatever their case, differ in digits and in nothing else."""
+    one, other = one.casefold(), other.casefold()
+    return one != other and re.sub(r"\d+", "0", one) == re.sub(r"\d+", "0", other)
 
 
 def counted(count: int, noun: str) -> str:

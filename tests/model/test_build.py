@@ -399,9 +399,15 @@ def test_a_wrong_name_among_many_brings_the_nearest_to_mind() -> None:
         chain(*["revolute"] * 30, lock={"elbow": 0.0})
 
 
+@pytest.mark.parametrize("count", [5, 30])
+def test_a_joint_of_another_number_is_not_offered_for_one_that_is_missing(count: int) -> None:
+    with pytest.raises(ModelError, match=rf"there are: 'j1', .*'j{count}'$"):
+        chain(*["revolute"] * count, lock={f"j{count + 1}": 0.0})
+
+
 def test_a_call_with_a_wrong_name_says_no_more_than_one_can_read() -> None:
     robot = cutpoint.Robot(chain(*["revolute"] * 300))
-    with pytest.raises(cutpoint.InputError, match=r"no frame is named 'J7'; did you mean 'j7' or ") as caught:
+    with pytest.raises(cutpoint.InputError, match=r"no frame is named 'J7'; did you mean 'j7'\?") as caught:
         robot.frame_pose(np.zeros(300), "J7")
     assert len(str(caught.value)) < 100
     assert {*robot.frames} == {*caught.value.evidence["known"]}

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cutpoint.errors import ModelError, those_that_exist
+from cutpoint.errors import ModelError, close_to, those_that_exist
 from cutpoint.formats.catalogue.entry import drive_entry
 from cutpoint.formats.catalogue.friction import InputFriction, input_friction
 from cutpoint.formats.catalogue.sheets import CatalogueGear
@@ -64,8 +64,11 @@ def catalogue_drive(name: str) -> Drive:
 
 
 def unknown_gear(name: str) -> str:
-    """The error message for an unknown catalogue name."""
-    return f"the catalogue has no {name!r}; {those_that_exist(name, catalogue_names())} (cutpoint drive lists them)"
+    """The error message for an unknown catalogue name, which may differ in digits only."""
+    names = catalogue_names()
+    near = close_to(name, names)
+    told = f"did you mean {' or '.join(map(repr, near))}?" if near else those_that_exist(name, names)
+    return f"the catalogue has no {name!r}; {told} (cutpoint drive lists them)"
 
 
 @cache
