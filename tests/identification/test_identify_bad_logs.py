@@ -224,6 +224,18 @@ def test_short_gaps_are_bridged_and_counted(files: Path):
             assert number.told and number.value == pytest.approx(4.0, rel=0.02)
 
 
+def test_springs_and_rotors_are_not_sought_in_a_stretch_without_torques(files: Path):
+    log = wound()
+    log["torque"][(TIME > 3.0) & (TIME < 4.0)] = np.nan
+    recording = Recording(TIME, ("shoulder", "elbow"), **log)
+    found = identify(files / "arm.urdf", recording, drives=files / "sprung.yaml", friction="stated")
+    for drive in found.robot.drives.values():
+        assert drive.compliance is not None
+        assert drive.compliance.deflection(10.0) == pytest.approx(10.0 / 7e3, rel=0.01)
+    rotors = [n for n in found.numbers if n.name == "rotor inertia" and n.told]
+    assert len(rotors) == 2 and all(n.low < 0.4 < n.high and n.high - n.low < 0.02 for n in rotors)
+
+
 @pytest.mark.parametrize(("delay", "when"), [(5e-4, "later by 0.500 ms"), (-2e-3, "earlier by 2.000 ms")])
 def test_which_way_torques_were_moved_is_said_once(files: Path, delay: float, when: str):
     log = Recording(TIME, ("shoulder", "elbow"), **channels())

@@ -21,7 +21,7 @@ def bridged(recording: Recording, even: Recording) -> Recording:
 
     A single missing sample invalidates a filter's output over its whole memory before and after.
     """
-    time, span = recording.time, min(LONGEST, (LOST + 1.5) * even.period)
+    time, span = recording.time, longest_bridge(even.period)
     splines = {name: on_grid(time, x, even.time, span) for name, x in recording.channels.items()}
     filled = replace(even, **{name: np.where(np.isfinite(x), x, splines[name]) for name, x in even.channels.items()})
     made = filled.complete() & ~even.complete()
@@ -30,3 +30,8 @@ def bridged(recording: Recording, even: Recording) -> Recording:
     gaps = int((np.diff(made.astype(int), prepend=0) == 1).sum())
     rule = f"{counted(gaps, 'gap')} of at most {LOST} samples and {LONGEST:g} s, bridged by splines"
     return filled.with_notes([f"{rule}: {made.sum()} of {made.size} samples, which the intervals treat as measured"])
+
+
+def longest_bridge(period: float) -> float:
+    """Longest time, s, between samples that are connected."""
+    return min(LONGEST, (LOST + 1.5) * period)

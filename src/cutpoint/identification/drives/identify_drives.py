@@ -157,10 +157,16 @@ def _channels(robot: Robot, recording: Recording, cutoff: float, delay: float) -
         speed, load = derivative(low_pass(theta, period, cutoff), period), torque + friction
         laws = (drive.motor_friction for drive in robot.drives.values())
         beyond = [beyond_coulomb(law, *own) for law, *own in zip(laws, speed.T, load.T, strict=True)]
-        effort = effort - np.column_stack([late(x, period, -delay) for x in beyond])
+        effort = effort - np.column_stack([late(_filled(x), period, -delay) for x in beyond])
     measured = (theta, q, effort, torque, friction, sliding)
     columns = ((x[:, k] for x in measured) for k in range(len(recording.joints)))
     return [Channels(*own, period=period, delay=delay, is_current=given == "current") for own in columns]
+
+
+def _filled(values: Array) -> Array:
+    """Values (N,), linear where filters leave none: at the ends and beside gaps, where the channels are known."""
+    known = np.flatnonzero(np.isfinite(values))
+    return np.interp(np.arange(values.size), known, values[known]) if known.size else values
 
 
 def joints_that_bend(robot: Robot) -> tuple[str, ...]:

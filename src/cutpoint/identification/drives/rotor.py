@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 
 from cutpoint.door import as_numbers, channels, number, positive, turns_per_turn
 from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.bridging import longest_bridge
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
@@ -201,6 +202,14 @@ def _best_smoothing(speed: Array, passed: Array, free: int, period: float, band:
 
 
 def late(values: Array, period: float, delay: float) -> Array:
-    """A channel (N,) that acts later than its stamps, at the times at which it acts: linear between samples."""
+    """A channel (N,) that acts later than its stamps, at the times at which it acts: linear between samples, NaN in
+    gaps that are too long to bridge."""
     time, known = period * np.arange(values.size), np.isfinite(values)
-    return np.interp(time - delay, time[known], values[known]) if known.any() else values
+    if not known.any():
+        return values
+    at, stamps = time - delay, time[known]
+    after = np.searchsorted(stamps, at)
+    before, after = (stamps[k.clip(0, stamps.size - 1)] for k in (after - 1, after))
+    # at the ends, the nearest sample is held for as long
+    is_gap = np.maximum(after, at) - np.minimum(before, at) > longest_bridge(period)
+    return np.where(is_gap, np.nan, np.interp(at, stamps, values[known]))
