@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from judged_arms import recorded, with_springs
 from simulated_logs import Known, known_arm
+from simulated_logs import recorded as rigidly_recorded
 
 from cutpoint import Coulomb
 from cutpoint.identification import Recording, identify, identify_rigid
@@ -25,8 +26,8 @@ def arm(on_motors: bool) -> tuple[Known, Recording]:
     return known, recorded(known.robot, 4)
 
 
-def told(known: Known, recording: Recording) -> list[str]:
-    notes = identify_rigid(known.file, recording).notes
+def told(known: Known, recording: Recording, cutoff: float | None = None) -> list[str]:
+    notes = identify_rigid(known.file, recording, cutoff=cutoff).notes
     return [note for note in notes if "than the motion they belong to" in note]
 
 
@@ -43,16 +44,32 @@ def test_torques_of_another_time_than_the_motion_are_named(samples: int, when: s
     assert "without an encoder" not in note
 
 
-def test_friction_of_motors_that_reverse_before_their_links_is_no_lateness():
+@pytest.mark.parametrize("unseen", ["none", "theta", "q"])
+def test_friction_of_motors_that_reverse_before_their_links_is_no_lateness(unseen: str):
     known, log = arm(on_motors=True)
-    assert told(known, log) == []
+    assert told(known, log if unseen == "none" else replace(log, **{unseen: None})) == []
 
 
 def test_where_one_side_was_measured_friction_of_the_other_is_named_as_what_else_it_may_be():
     known, log = arm(on_motors=True)
-    notes = told(known, replace(log, theta=None))
+    notes = told(known, replace(log, theta=None, torque=np.roll(log["torque"], -4, axis=0)))
     assert "earlier than the motion" in notes[0]
     assert notes[-1].endswith("dry friction on the drives' side without an encoder looks the same")
+
+
+@pytest.mark.parametrize(("seed", "joints", "cutoff"), [(3, 2, 8.0), (5, 3, 12.0)])
+def test_dry_friction_that_a_low_cutoff_spreads_over_time_is_no_lateness_and_hides_none(
+    seed: int, joints: int, cutoff: float
+):
+    known = known_arm(seed, joints)
+    law = Coulomb(coulomb=4.0, viscous=0.5, smoothing=0.005)
+    drives = {joint: replace(drive, link_friction=law) for joint, drive in known.robot.drives.items()}
+    log = rigidly_recorded(known.robot.with_drives(drives), seed)
+    assert told(known, log, cutoff) == []
+    (note,) = told(known, replace(log, torque=np.roll(log["torque"], -4, axis=0)), cutoff)
+    words = re.match(r"torques come ([\d.]+) \+- [\d.]+ ms earlier than the motion", note)
+    assert words is not None
+    assert float(words[1]) == pytest.approx(4.0, abs=0.5)
 
 
 @pytest.mark.parametrize(

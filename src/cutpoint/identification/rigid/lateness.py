@@ -6,7 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_dilation
 
+from cutpoint.identification.conditioning.decimation import Decimation
+from cutpoint.identification.conditioning.motion import Motion
 from cutpoint.identification.logs.recording import EFFORTS
 from cutpoint.identification.rigid.least_squares import Estimate, least_squares
 from cutpoint.identification.rigid.regression import Regression
@@ -15,6 +18,13 @@ Array = NDArray[np.float64]
 
 GAP = 1.5
 """Times the usual step: rows farther apart give no rate."""
+
+SPREAD = 1.0
+"""Periods of the positions' cut-off, before and after a reversal, over which their filter spreads the jump of friction:
+it would pass for a delay, of 2.3 ms at 12 Hz in a trial."""
+
+TOUCHED = 0.1
+"""Share of a mean's weight on such samples, above which it is left out."""
 
 CERTAIN = 4.0
 """Standard deviations above which a delay is reported."""
@@ -34,14 +44,22 @@ LESS = 0.8
 late torques, and 0.1 to 0.6 with friction on both sides, except for one joint of six: hence the mean."""
 
 
-def lateness_notes(found: Regression, values: Array, beside: Array, joints: Sequence[str], bend: bool) -> list[str]:
+def lateness_notes(
+    found: Regression,
+    values: Array,
+    beside: Array,
+    steady: NDArray[np.bool_],
+    joints: Sequence[str],
+    bend: bool,
+) -> list[str]:
     """A sentence if torques of all joints are significantly late or early by the same delay, and one for each joint
     whose torques are too, but by another.
 
     values: the parameters (c,).  beside: columns (M, n, k) of other possible torques, earlier or later than the
-    identified ones, such as friction on the drives' other sides.  bend: whether drives are elastic.
+    identified ones, such as friction on the drives' other sides.  steady: (M,), see `without_reversals`.
+    bend: whether drives are elastic.
     """
-    delays, covariance = lateness(found, values, beside)
+    delays, covariance = lateness(found, values, beside, steady)
     worth, unmodelled = (WORTH_BENT, UNMODELLED_BENT) if bend else (WORTH, 0.0)
     sure = np.maximum(worth, CERTAIN * np.sqrt(np.diag(covariance)))
     told = np.isfinite(sure)
@@ -76,21 +94,38 @@ def _late(torques: str, delay: float, variance: float) -> str:
     return f"{torques} come {by} {when} than the motion they belong to"
 
 
-def lateness(found: Regression, values: Array, beside: Array) -> tuple[Array, Array]:
-    """Delay of each joint's torques, s, (n,), and its covariance (n, n), s2, estimated with all else, to first order;
-    NaN for joints whose torques, or those of most joints, `beside` explains better."""
-    times, told = found.times, found.columns @ values
-    rate = np.asarray(CubicSpline(times, told).derivative()(times))
-    far = np.diff(times) > GAP * float(np.median(np.diff(times)))
-    rate[np.append(far, False) | np.append(False, far)] = 0.0
-    n = rate.shape[1]
-    late, left = _with(found, -rate[..., None] * np.eye(n))
-    delays, covariance = late.values[-n:].copy(), late.spread.covariance[-n:, -n:].copy()
+def without_reversals(speeds: Array, motion: Motion, means: Decimation) -> NDArray[np.bool_]:
+    """Which means (M,) are away from every joint's reversals.  speeds: (N, n), on which friction depends."""
+    turns = np.diff(np.signbit(speeds), axis=0, prepend=np.signbit(speeds[:1])).any(axis=1)
+    reach = int(np.ceil(SPREAD / (motion.cutoff * motion.period)))
+    near = binary_dilation(turns, np.ones(2 * reach + 1))
+    return np.abs(means(near.astype(np.float64))) <= TOUCHED
+
+
+def lateness(found: Regression, values: Array, beside: Array, steady: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Delay of each joint's torques, s, (n,), and its covariance (n, n), s2, estimated with all else, to first order,
+    from the steady means; NaN for joints whose torques, or those of most joints, `beside` explains better, and for all
+    joints if these means are too few."""
+    late = _by_delay(found, values)
+    n, count = late.shape[2], len(found.names)
+    if n * steady.sum() < 2 * (count + n):
+        return np.full(n, np.nan), np.full((n, n), np.nan)
+    told = _with(found.part(steady), late[steady])[0]
+    delays, covariance = told.values[-n:].copy(), told.spread.covariance[-n:, -n:].copy()
     if beside.shape[2]:
-        share = _with(found, beside)[1] / left
+        share = _with(found, beside)[1] / _with(found, late)[1]
         explained = (share < LESS) | (np.exp(np.mean(np.log(share))) < LESS)
         delays[explained] = covariance[explained, explained] = np.nan
     return delays, covariance
+
+
+def _by_delay(found: Regression, values: Array) -> Array:
+    """(M, n, n): derivatives of the torques by each joint's delay, N m/s; zero beside gaps."""
+    times = found.times
+    rate = np.asarray(CubicSpline(times, found.columns @ values).derivative()(times))
+    far = np.diff(times) > GAP * float(np.median(np.diff(times)))
+    rate[np.append(far, False) | np.append(False, far)] = 0.0
+    return -rate[..., None] * np.eye(rate.shape[1])
 
 
 def _with(found: Regression, columns: Array) -> tuple[Estimate, Array]:

@@ -19,7 +19,7 @@ from cutpoint.identification.conditioning.motion import (
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
-from cutpoint.identification.rigid.lateness import lateness_notes
+from cutpoint.identification.rigid.lateness import lateness_notes, without_reversals
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression, other_side_columns
@@ -158,7 +158,8 @@ def _late(fitted: Fitted) -> list[str]:
     laws, robot, log = fitted.laws, fitted.base.robot, fitted.log
     beside = other_side_columns({joint: laws[joint] for joint in robot.joints}, log.motion, log.means)
     bend = any(drive.is_elastic for drive in robot.drives.values())
-    return lateness_notes(fitted.regression, fitted.estimate.values, beside, robot.joints, bend)
+    steady = without_reversals(sliding_speeds(robot, log.motion), log.motion, log.means)
+    return lateness_notes(fitted.regression, fitted.estimate.values, beside, steady, robot.joints, bend)
 
 
 def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
