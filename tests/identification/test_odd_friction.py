@@ -66,6 +66,32 @@ def test_friction_that_is_less_at_rest_is_not_written_as_even_after_it_was_judge
     assert not any("rises from rest" in note for note in found.notes)
 
 
+def bent(v: Array) -> Array:
+    """Rises with a power of the speed, as no law here has it."""
+    return (6.0 + 4.0 * np.abs(v) ** 0.6) * np.tanh(v / 0.005)
+
+
+def peaked(v: Array) -> Array:
+    return np.asarray(Stribeck(4.0, 6.0, 3.0, 0.15, 0.02).torque(v))
+
+
+def test_a_law_that_fits_only_the_speeds_of_the_log_is_said_to_be_a_curve():
+    said = r"(.*): friction is a curve through this log's speeds, up to .* \(stribeck_velocity .* does not extrapolate"
+    found = identified(bent(motions()[1]))
+    named = [words[1] for note in found.notes if (words := re.match(said, note))]
+    for joint, law in found.rigid.model.laws.items():
+        fastest = np.abs(motions()[1]).max()
+        assert (joint in named) == (isinstance(law, Stribeck) and law.stribeck_velocity > 0.5 * fastest)
+    assert named
+    assert not any(re.match(said, note) for note in identified(peaked(motions()[1])).notes)
+
+
+def test_friction_at_its_bound_is_zero():
+    laws = identified(bent(motions()[1])).rigid.model.laws
+    values = [float(getattr(law, name)) for law in laws.values() for name in law.coefficients]
+    assert min(values) == 0.0 and all(x == 0.0 or x > 1e-6 for x in values)
+
+
 def test_friction_of_both_sides_is_shared_as_the_files_share_it(tmp_path: Path):
     """Torques tell its sum; a side's friction at rest is no less than in motion whatever the shares."""
     both = Drive(100.0, link_friction=Stribeck(1.0, 3.0, 0.5, 0.1, 0.02), motor_friction=Coulomb(3.0, 1.5, 0.02))

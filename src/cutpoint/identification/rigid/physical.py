@@ -19,6 +19,9 @@ Array = NDArray[np.float64]
 Solver = Literal["lmi", "lmi_trace", "log_cholesky"]
 SOLVERS = get_args(Solver)
 
+NOTHING = 1e-6
+"""Share of friction's usual size: solvers stop this close to zero."""
+
 
 class Physical(NamedTuple):
     """inertial: (10 bodies,), physically consistent.  rotors: kg m2 at the joint, the included ones.
@@ -41,7 +44,7 @@ def physical(fit: Fit, solver: Solver = "lmi") -> Physical:
     """
     unknowns = log_cholesky.solve(fit) if solver == "log_cholesky" else cones.solve(fit, entropic=solver == "lmi")
     X, rotors, others = fit.unpacked(unknowns)
-    others = fit.sums @ (np.where(fit.positive, np.maximum(others, 0.0), others) * fit.sizes)
+    others = fit.sums @ (np.where(fit.positive & (others < NOTHING), 0.0, others) * fit.sizes)
     inertial, rotors = fit.bodies.parameters(X), np.maximum(rotors, 0.0) * fit.scale
     found = np.concatenate([fit.base.matrix @ np.concatenate([inertial, rotors]), others])
     return Physical(inertial, rotors, others, found)

@@ -16,6 +16,7 @@ from cutpoint.identification.conditioning.motion import (
     sliding_speeds,
     still_joints,
 )
+from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
@@ -32,11 +33,15 @@ from cutpoint.identification.rigid.uncertainty import (
     strained,
     untold,
 )
-from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.friction import Sliding, Stribeck
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+
+FAST = 0.5
+"""Share of the joint's top speed: with a larger Stribeck velocity, the log lacks the speeds at which the peak is over,
+and any curved friction has such a law."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -148,10 +153,28 @@ def estimate_of(
             *_simplified(model, robot),
             *_notes(log, found, estimate),
             *strained(table),
+            *_curves(fitted, choices),
             *_late(fitted),
         ),
         friction=choices,
     )
+
+
+def _curves(fitted: Fitted, choices: Sequence[FrictionChoice]) -> list[str]:
+    """Sentences on chosen laws that fit the speeds of the log, and say nothing about others."""
+    robot, log, notes = fitted.base.robot, fitted.log, list[str]()
+    units, tops = at_joints(robot, "rad/s"), np.nanmax(np.abs(sliding_speeds(robot, log.motion)), axis=0).tolist()
+    chosen = {choice.joint for choice in choices}
+    for (joint, law), top in zip(fitted.model.laws.items(), tops, strict=True):
+        if joint not in chosen or not isinstance(law, Stribeck):
+            continue
+        is_bare, unit = law.coulomb == 0.0 < law.static, units[joint]
+        if law.stribeck_velocity > FAST * top or is_bare:
+            bound = ", coulomb at its bound, 0" if is_bare else ""
+            told = f"up to {top:.3g} {unit} (stribeck_velocity {law.stribeck_velocity:.3g} {unit}{bound})"
+            rule = "its numbers mean little singly, and it does not extrapolate: record faster motion to use it there"
+            notes.append(f"{joint}: friction is a curve through this log's speeds, {told}: {rule}")
+    return notes
 
 
 def _late(fitted: Fitted) -> list[str]:
