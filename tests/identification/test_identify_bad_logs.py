@@ -236,6 +236,22 @@ def test_springs_and_rotors_are_not_sought_in_a_stretch_without_torques(files: P
     assert len(rotors) == 2 and all(n.low < 0.4 < n.high and n.high - n.low < 0.02 for n in rotors)
 
 
+@pytest.mark.parametrize("drives", ["sprung.yaml", "rigid.yaml"])
+def test_encoders_that_differ_in_how_far_a_joint_moves_are_named_with_the_ratio_that_fits(files: Path, drives: str):
+    log, said = wound(), []
+    for share in (1.0, 100.0 / 101.0, 1.004):
+        turned = log | {"theta": log["theta"] * [1.0, share]}
+        recording = Recording(TIME, ("shoulder", "elbow"), **turned)
+        notes = identify(files / "arm.urdf", recording, drives=files / drives, friction="stated").notes
+        said.append([note for note in notes if "times as far as q" in note])
+    none, less, more = said
+    assert none == []
+    assert [re.findall(r"theta of (.*) moves (.*) times .*: is the ratio (.*), not 100, ", x) for x in less + more] == [
+        [("elbow", "0.9901", "99.01")],
+        [("elbow", "1.004", "100.4")],
+    ]
+
+
 @pytest.mark.parametrize(("delay", "when"), [(5e-4, "later by 0.500 ms"), (-2e-3, "earlier by 2.000 ms")])
 def test_which_way_torques_were_moved_is_said_once(files: Path, delay: float, when: str):
     log = Recording(TIME, ("shoulder", "elbow"), **channels())

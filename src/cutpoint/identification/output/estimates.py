@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
+from cutpoint.identification.drives.encoder_gains import gain_remarks
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
 from cutpoint.identification.drives.torque_delay import delay_remarks
 from cutpoint.identification.logs.recording import Array, Recording
@@ -49,8 +50,9 @@ def estimates(
     """
     say("links, rotors and friction")
     rigid = identify_rigid(before, fitted, friction=friction, **how)
+    gains = gain_remarks(before, fitted, how.get("torque_constants"), how.get("cutoff"))
     if stamped is None:
-        return Estimates(rigid, None)
+        return Estimates(rigid, None, remarks=gains)
     say.expect(1 + len(joints_that_bend(before)))
     stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
@@ -59,9 +61,9 @@ def estimates(
         )
     except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed during the search"
-        return Estimates(rigid, None, remarks=(f"springs were not identified: {why}",))
+        return Estimates(rigid, None, remarks=(*gains, f"springs were not identified: {why}"))
     found = drives.joints.items()
-    remarks = (*_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.remarks)
+    remarks = (*gains, *_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.remarks)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
