@@ -355,6 +355,23 @@ def test_a_locked_output_shows_stiffness_hysteresis_loss_and_lost_motion():
     assert "backlash" in found.unidentifiable
 
 
+@pytest.mark.parametrize("loss", [0.0, 1e-4])
+@pytest.mark.parametrize("noise", [0.1, 1.0])
+def test_noise_of_a_loop_is_in_the_deviations_of_what_is_lost_in_it(loss: float, noise: float):
+    """A crossing of single samples is off by the torque's noise over the stiffness; a window has more of them."""
+    t, truth, found = 0.01 * np.arange(4000), {"hysteresis_loss": loss, "lost_motion": 2.4 / 1e4}, []
+    torque = 60.0 * 2.0 / np.pi * np.arcsin(np.sin(TURN * t / 20.0))
+    angle = np.round((torque / 1e4 - 0.5 * loss * np.sign(np.gradient(torque))) / 1e-6) * 1e-6
+    for seed in range(8):
+        shown = torque + noise * np.random.default_rng(seed).normal(size=t.size)
+        found.append(locked_output(angle, shown, 0.01, RATIO, rated_torque=40.0, laws=["linear"]))
+    assert {"hysteresis_loss" in each.unidentifiable for each in found} == {loss == 0.0}
+    for name, true in truth.items():
+        errors = np.array([(getattr(each, name) - true) / each.deviations[name] for each in found])
+        assert np.sqrt(np.mean(errors**2)) < 1.7
+        assert np.mean([each.deviations[name] for each in found]) < 0.7 * noise / 1e4
+
+
 @pytest.mark.parametrize("lacking", ["theta", "torque"])
 def test_samples_of_a_loop_that_are_not_known_are_left_out(lacking: str):
     angle = np.round(wound(cutpoint.LinearSpring(16e3), SLIPPING, TORQUE) / 6e-7) * 6e-7

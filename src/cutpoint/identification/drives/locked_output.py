@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import channels, positive, turns_per_turn
 from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.correlated_noise import NORMAL
 from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
@@ -28,6 +29,10 @@ POINTS = 181
 INNER = 0.1
 """Share of the largest torque below which play is still being closed."""
 
+NOISES = 4.0
+"""Half a window, in which a branch is a line, in standard deviations of the torque's noise: single samples within are
+in any order.  A wider one would round the corners of play."""
+
 
 @dataclass(frozen=True, eq=False)
 class LockedOutput:
@@ -39,6 +44,7 @@ class LockedOutput:
         if no sweep reaches that far.
     backlash: extrapolated to zero torque from where the play is closed; 0 if not significant.
     spring: the law and the hysteresis elements, as from `two_encoders`; meaningless with backlash.
+    deviations: standard deviations of hysteresis_loss and lost_motion, rad.
     unidentifiable: what cannot be determined, each with the reason as a sentence.
     """
 
@@ -49,6 +55,7 @@ class LockedOutput:
     lost_motion: float | None
     backlash: float
     spring: SpringEstimate
+    deviations: dict[str, float]
     unidentifiable: dict[str, str]
 
     @property
@@ -96,37 +103,84 @@ def locked_output(
     if not limit > 0.0:
         found = f"torque runs from {load.min():.3g} to {load.max():.3g} N m"
         raise InputError(f"locked_output: {found}; sweep it up and down on both sides of zero")
-    at = np.linspace(-limit, limit, POINTS)
-    ways = {direction: _mean_way(angle, load, at, direction) for direction in (1.0, -1.0)}
-    rising, falling = (way - 0.5 * (ways[1.0] + ways[-1.0]).mean() for way in ways.values())
+    at, softness = np.linspace(-limit, limit, POINTS), float(np.ptp(angle) / np.ptp(load))
+    noise = float(np.hypot(_noise(load), _noise(angle) / softness))
+    noise = min(noise, INNER * limit / NOISES)
+    both = (_mean_way(angle, load, at, noise, softness, direction) for direction in (1.0, -1.0))
+    ways, (up, down) = zip(*both, strict=True)
+    rising, falling = (way - 0.5 * (ways[0] + ways[1]).mean() for way in ways)
     middle = 0.5 * (rising + falling)
     play, error = _play(at, middle)
     why = {name: sentence for name, sentence in spring.unidentifiable.items() if name != "kinematic_error"}
     if play < SIGNIFICANT * error:
         why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
         play = 0.0
+    loss, deviations = float(np.interp(0.0, at, falling - rising)), {}
+    deviations["hysteresis_loss"] = float(np.sqrt(np.interp(0.0, at, up + down)))
+    if loss < SIGNIFICANT * deviations["hysteresis_loss"]:
+        why["hysteresis_loss"] = _as_nothing(loss, deviations["hysteresis_loss"])
     lost = None
     if read is not None and read > limit:
         why["lost_motion"] = f"it is read at {read:.3g} N m, but the sweeps end at {limit:.3g} N m; load further"
     elif read is not None:
         ends = np.interp([-read, read], at, middle)
         lost = float(ends[1] - ends[0])
-    loss = float(np.interp(0.0, at, falling - rising))
-    return LockedOutput(at, rising, falling, loss, lost, play, spring, why)
+        deviations["lost_motion"] = 0.5 * float(np.sqrt(np.interp([-read, read], at, up + down).sum()))
+        if lost < SIGNIFICANT * deviations["lost_motion"]:
+            why["lost_motion"] = _as_nothing(lost, deviations["lost_motion"])
+    return LockedOutput(at, rising, falling, loss, lost, play, spring, deviations, why)
 
 
-def _mean_way(angle: Array, load: Array, at: Array, direction: float) -> Array:
-    """The angle at torques `at` while rising (1) or falling (-1), mean of all complete sweeps."""
-    found: list[Array] = []
+def _as_nothing(value: float, deviation: float) -> str:
+    return f"{value:.2g} +- {deviation:.2g} rad cannot be told from zero: sweep more slowly, or more often"
+
+
+def _noise(values: Array) -> float:
+    """Standard deviation of white noise in samples (N,) of a slow channel."""
+    return float(np.median(np.abs(np.diff(values, 2)))) / (NORMAL * np.sqrt(6.0))
+
+
+def _mean_way(
+    angle: Array, load: Array, at: Array, noise: float, softness: float, direction: float
+) -> tuple[Array, Array]:
+    """The angle at torques `at` while rising (1) or falling (-1), mean of all complete sweeps, and its variance.
+
+    noise: N m, of both channels together.  softness: rad/(N m).
+    """
+    found: list[tuple[Array, Array]] = []
     for start, end in pairwise(_reversals(load)):
         x, y = direction * load[start : end + 1], angle[start : end + 1]
         if x[0] <= at[0] and x[-1] >= at[-1]:
-            order = np.argsort(x, kind="stable")
-            found.append(np.interp(direction * at, x[order], y[order]))
+            values, shares, square = _smooth(x, y, direction * at, NOISES * noise)
+            found.append((values, shares * max(square, (softness * noise) ** 2)))
     if not found:
         way = "upward" if direction > 0.0 else "downward"
         raise InputError(f"locked_output: no {way} sweep reaches {at[-1]:.3g} N m on both sides; load further")
-    return np.mean(found, axis=0)
+    ways, variances = np.array(found).transpose(1, 0, 2)
+    apart = float(np.median(ways.var(axis=0, ddof=1))) if len(ways) > 1 else 0.0
+    return ways.mean(axis=0), np.maximum(variances.mean(axis=0), apart) / len(ways)
+
+
+def _smooth(x: Array, y: Array, at: Array, width: float) -> tuple[Array, Array, float]:
+    """A sweep's y at some x, (P,), by lines through the samples nearer than a width; and its variance over that of the
+    noise, (P,), and the latter."""
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
+    middle = np.searchsorted(x, at)
+    first = np.minimum(np.searchsorted(x, at - width), middle - 1).clip(0)
+    last = np.maximum(np.searchsorted(x, at + width, side="right"), middle + 1)
+    lines = [_line(x[a:b] - t, y[a:b]) for a, b, t in zip(first, last, at, strict=True)]
+    values, shares, squares = np.array(lines).T
+    return values, shares, float(np.median(squares))
+
+
+def _line(x: Array, y: Array) -> tuple[float, float, float]:
+    """The value at zero of a line through samples, its variance over that of their noise, and the latter."""
+    columns = np.column_stack([np.ones_like(x), x])
+    inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)
+    weights = inverse @ columns.T @ y
+    left = y - columns @ weights
+    return float(weights[0]), float(inverse[0, 0]), float(left @ left) / max(x.size - 2, 1)
 
 
 def _reversals(load: Array) -> list[int]:
