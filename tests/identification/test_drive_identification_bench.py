@@ -322,6 +322,25 @@ def test_a_well_damped_spring_is_found_too(damping: float):
         assert abs(np.log(getattr(fit.masses, name) / true)) < max(0.01, 5.0 * fit.deviations[name])
 
 
+@pytest.mark.parametrize(("torque", "coulomb"), [(60.0, 5.0), (20.0, 5.0)])
+def test_deviations_include_what_dry_friction_does_to_a_response(torque: float, coulomb: float):
+    K, D, rotor, link, period, steps = 12e3, 3.0, 0.2, 0.5, 1e-3, 5
+    A = np.array([[0, 0, 1, 0], [0, 0, 0, 1], [-K / rotor, K / rotor, -D / rotor, D / rotor], [K, -K, D, -D]])
+    A[3] /= link
+    B, C = np.array([[0.0], [0.0], [1.0 / rotor], [0.0]]), np.eye(4)
+    E, F, *_ = cont2discrete((A, B, C, np.zeros((4, 1))), period / steps)
+    t, x, shown = period * np.arange(20000), np.zeros(4), list[float]()
+    drive = torque * np.sin(TURN * (t + 5.0 * t**2))
+    for own in drive.tolist():
+        shown.append(x[0])
+        for _ in range(steps):
+            x = E @ x + F[:, 0] * (own - coulomb * np.tanh(x[2] / 0.01))
+    step = TURN / 2**17 / RATIO
+    fit = fit_response(motor_response(np.round(np.array(shown) / step) * step, drive, period), link, low=3.0)
+    for name, true in (("stiffness", K), ("rotor", rotor)):
+        assert abs(np.log(getattr(fit.masses, name) / true)) < 2.0 * fit.deviations[name] < 0.08
+
+
 def test_the_measured_response_is_that_of_two_masses_under_a_held_torque():
     found = response(8000.0)
     band = (found.frequencies > 3.0) & (found.frequencies < 300.0)

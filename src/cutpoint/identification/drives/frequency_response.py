@@ -33,6 +33,12 @@ STARTS, FRICTIONS = 40, (0.01, 0.1, 0.5)
 SEARCHES = 8
 """From the best starts: a spring that is well damped hardly shows its antiresonance, and a search may miss it."""
 
+MOST_DRY = 0.5
+"""Largest share of the motor's torque that dry friction may take: with more, a drive sticks."""
+
+FEWEST = 20
+"""Coherent frequencies that are fitted."""
+
 UNCERTAIN = 0.2
 """Relative standard deviation above which an estimate counts as unidentifiable."""
 
@@ -100,7 +106,8 @@ def motor_response(theta: ArrayLike, torque: ArrayLike, period: float, window: f
 def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0, high: float = np.inf) -> ResponseFit:
     """Two masses with the same response, for a known link inertia (kg m2 at the joint, other joints as they were held).
 
-    low, high: Hz, the band to be fitted: above the range of dry friction, and below that of other modes.
+    low, high: Hz, the band to be fitted: above the range of dry friction, and below that of other modes.  Deviations
+        include by how much a fit differs in which dry friction takes a constant share of the torque.
 
     Raises:
         InputError: a link inertia that is not positive, or too few coherent frequencies in the band.
@@ -108,25 +115,34 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
     link_inertia = positive("fit_response", "link_inertia", link_inertia, "kg m2")
     f = response.frequencies
     used = (f >= low) & (f <= high) & (response.coherence > COHERENT)
-    if used.sum() < 20:
-        raise InputError(f"fit_response: {used.sum()} coherent frequencies from {low} Hz to {high} Hz; 20 are needed")
+    if used.sum() < FEWEST:
+        told = f"{used.sum()} coherent frequencies from {low} Hz to {high} Hz; {FEWEST} are needed"
+        raise InputError(f"fit_response: {told}")
     f, measured, weight = f[used], response.response[used], 1.0 / np.hypot(response.deviation[used], LEAKAGE)
 
-    def error(logarithms: Array) -> Array:
+    def error(logarithms: Array, dry: float = 0.0) -> Array:
         model = TwoMasses(link_inertia, *np.exp(logarithms)).position_response(f, response.period)
-        off: Any = np.log(measured / model)
+        # friction of constant size, as its first harmonic, takes its share along the speed
+        off: Any = np.log(measured / (1.0 - 1.0j * dry * measured / np.abs(measured)) / model)
         return np.concatenate([off.real * weight, off.imag * weight])
 
     def search(start: Array) -> Any:
         bounds = (start - 12.0, start + 12.0)
         return least_squares(error, start, bounds=bounds, loss="soft_l1", x_scale=0.3, max_nfev=200)
 
+    def beside_dry(start: Array) -> Array:
+        found: Any = least_squares(
+            lambda x: error(x[:-1], x[-1]), np.append(start, 0.2 * MOST_DRY), loss="soft_l1", max_nfev=200,
+            bounds=(np.append(start - 12.0, 0.0), np.append(start + 12.0, MOST_DRY)),
+        )  # fmt: skip
+        return np.asarray(found.x[:-1])
+
     places = np.geomspace(f[1], f[-2], STARTS)
     starts = [_start(f, measured, link_inertia, at, friction) for at in places for friction in FRICTIONS]
     starts.sort(key=lambda start: float(np.sum(np.arctan(error(start)) ** 2)))
     found = min(map(search, starts[:SEARCHES]), key=lambda one: float(one.cost))
     masses = TwoMasses(link_inertia, *np.exp(found.x).tolist())
-    return _judged(masses, np.asarray(found.jac), error(found.x))
+    return _judged(masses, np.asarray(found.jac), error(found.x), beside_dry(found.x) - found.x)
 
 
 def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float, friction: float) -> Array:
@@ -138,10 +154,14 @@ def _start(f: Array, measured: ComplexArray, link: float, antiresonance: float, 
     return np.log([rotor, stiffness, damping, damping, damping])
 
 
-def _judged(masses: TwoMasses, slopes: Array, left: Array) -> ResponseFit:
-    """Uncertainties; noise that exceeds the coherence's estimate counts in full."""
+def _judged(masses: TwoMasses, slopes: Array, left: Array, change: Array) -> ResponseFit:
+    """Uncertainties; noise that exceeds the coherence's estimate counts in full.
+
+    change: of the logarithms, by dry friction beside them.
+    """
     excess = max(1.0, float(np.mean(np.square(left)))) * NEIGHBOURS
     spread = np.sqrt(np.diag(np.linalg.pinv(slopes.T @ slopes, hermitian=True)) * excess)
+    spread = np.hypot(spread, change)
     blind = np.linalg.norm(slopes, axis=0) < 1e-9
     names = TwoMasses._fields[1:]
     deviations = dict(zip(names, np.where(blind, np.inf, spread).tolist(), strict=True))
