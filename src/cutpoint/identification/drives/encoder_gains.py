@@ -37,8 +37,8 @@ def gain_remarks(
     load = low_pass(torques_of(robot, recording, constants), motion.period, motion.cutoff)
     still, notes = still_joints(robot, motion), list[str]()
     for j, joint in enumerate(robot.joints):
-        channels = (x[:, j] for x in (motion.theta - motion.q, motion.q, motion.v, motion.a, load))
-        share, deviation = (0.0, np.inf) if joint in still else _share(*channels, recording.time)
+        lead, q, v, a, tau = (x[:, j] for x in (motion.theta - motion.q, motion.q, motion.v, motion.a, load))
+        share, deviation = (0.0, np.inf) if joint in still else _share(lead, q, v, a, tau, recording.time)
         if max(WORTH, SIGNIFICANT * deviation) < abs(share) < LARGEST:
             ratio = robot.drives[joint].ratio
             asked = f"is the ratio {ratio * (1.0 + share):.4g}, not {ratio:g}, or the scale of an encoder another?"
