@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.joints import JointMotion
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
 from cutpoint.model.drive import Drive
@@ -35,7 +35,7 @@ class Segment:
     name: str
     parent: int
     placement: Pose
-    joint: JointKind
+    joint: JointMotion
     inertia: Inertia
     q: slice
     v: slice

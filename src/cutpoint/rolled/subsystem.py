@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.joints import JointMotion
 from cutpoint.mechanics.bodies.rotors import Spin, axis_of
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
 from cutpoint.mechanics.bodies.turning import about_z
@@ -14,7 +14,7 @@ Scalars = Sequence[Scalar]
 
 
 @dataclass(frozen=True)
-class OneAxis(JointKind):
+class OneAxis(JointMotion):
     """Rotates about z by turn q (rad), and translates along it by slide q (m): every joint with one coordinate."""
 
     turn: Scalar
@@ -29,7 +29,7 @@ class OneAxis(JointKind):
 
 
 @dataclass(frozen=True)
-class Along(JointKind):
+class Along(JointMotion):
     """Such a joint along any unit vector z, where only its motion is needed."""
 
     z: Vec3

@@ -12,7 +12,7 @@ import numpy as np
 from cutpoint.mechanics.assembly.placements import inverse, joined
 from cutpoint.mechanics.assembly.reframing import Framing, RevoluteFrom, fallen, framing_of
 from cutpoint.mechanics.assembly.units import in_unit_of_length
-from cutpoint.mechanics.bodies.joints import Floating, Helical, JointKind, Planar, Prismatic, Revolute, Spherical
+from cutpoint.mechanics.bodies.joints import Floating, Helical, JointMotion, Planar, Prismatic, Revolute, Spherical
 from cutpoint.mechanics.bodies.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Follower, Place, Segment, System
@@ -20,11 +20,11 @@ from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD, Array, Body, Joint, Mechanism
 from cutpoint.scalars import Scalar
 
-KINDS: dict[str, JointKind] = {
+MOTIONS: dict[str, JointMotion] = {
     "revolute": Revolute(), "continuous": Revolute(), "prismatic": Prismatic(), "planar": Planar(),
     "spherical": Spherical(), "floating": Floating(),
 }  # fmt: skip
-"""Kinds without numbers of their own."""
+"""Of kinds without numbers of their own."""
 
 
 def system_of(
@@ -43,7 +43,7 @@ def system_of(
         q, v = places[mimic.joint if mimic else body.joint.name]
         zero = number(given.zeros[i])
         follower = Follower(number(mimic.multiplier), number(mimic.offset + zero)) if mimic else None
-        kind = RevoluteFrom(zero) if zero and not mimic else _kind_of(body.joint)
+        kind = RevoluteFrom(zero) if zero and not mimic else _motion_of(body.joint)
         inertia = _inertia_of(body, turns[i]) if framing is None else _inertia_from(framing.inertias[i])
         axes = mat3(given.frames[i][:3, :3])
         placement = pose_of(given.placements[i])
@@ -80,7 +80,7 @@ def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], 
     nq = nv = 0
     for body in mechanism.bodies:
         if not (mechanism.coupled and body.joint.mimic):
-            kind = _kind_of(body.joint)
+            kind = _motion_of(body.joint)
             places[body.joint.name] = slice(nq, nq + kind.coordinates), slice(nv, nv + len(kind.axes))
             nq, nv = nq + kind.coordinates, nv + len(kind.axes)
     return places, nq, nv
@@ -110,8 +110,8 @@ def _with_rotors(
     return replace(system, segments=tuple(segments), armature=tuple(armature), spins=tuple(spins))
 
 
-def _kind_of(joint: Joint) -> JointKind:
-    return Helical(number(joint.pitch)) if joint.kind == "helical" else KINDS[joint.kind]
+def _motion_of(joint: Joint) -> JointMotion:
+    return Helical(number(joint.pitch)) if joint.kind == "helical" else MOTIONS[joint.kind]
 
 
 def _seen(framing: Framing, body: int, placement: Array) -> Array:

@@ -2,7 +2,7 @@
 
 Axes are columns z of a motion, linear then angular, in the moved frame, so that a joint's velocity is z v and its
 torque under a wrench is z^T F.  Their entries are mostly 0 and 1 and vanish when traced.  Every kind offers what
-`JointKind` declares, in its order.
+`JointMotion` declares, in its order.
 """
 
 from collections.abc import Sequence
@@ -29,8 +29,8 @@ X, Y, Z, TURN_X, TURN_Y, TURN_Z = (tuple(int(j == k) for j in range(6)) for k in
 
 
 @dataclass(frozen=True)
-class JointKind:
-    """Interface of all kinds; the defaults are for coordinates that are integrals of the speeds."""
+class JointMotion:
+    """How a kind of joint moves; the defaults are for coordinates that are integrals of the speeds."""
 
     coordinates: ClassVar[int] = 1
     fixed_axes: ClassVar[tuple[Axis, ...]] = ()
@@ -81,7 +81,7 @@ class JointKind:
 
 
 @dataclass(frozen=True)
-class Revolute(JointKind):
+class Revolute(JointMotion):
     """Turns about z by q (rad).  Xia (2019) eqs. (34)-(36)."""
 
     fixed_axes = (TURN_Z,)
@@ -91,7 +91,7 @@ class Revolute(JointKind):
 
 
 @dataclass(frozen=True)
-class Prismatic(JointKind):
+class Prismatic(JointMotion):
     """Slides along z by q (m)."""
 
     fixed_axes = (Z,)
@@ -101,7 +101,7 @@ class Prismatic(JointKind):
 
 
 @dataclass(frozen=True)
-class Helical(JointKind):
+class Helical(JointMotion):
     """Turns about z by q (rad), and slides along it by pitch q; pitch in m/rad."""
 
     pitch: Scalar
@@ -115,7 +115,7 @@ class Helical(JointKind):
 
 
 @dataclass(frozen=True)
-class Planar(JointKind):
+class Planar(JointMotion):
     """Moves in the x-y plane and turns about z: q = (x, y, angle) in the unmoved frame, v in the moved one."""
 
     coordinates = 3
@@ -141,7 +141,7 @@ class Planar(JointKind):
 
 
 @dataclass(frozen=True)
-class Spherical(JointKind):
+class Spherical(JointMotion):
     """Turns about a point: q is a quaternion (x, y, z, w), v the angular velocity in the moved frame."""
 
     coordinates = 4
@@ -168,7 +168,7 @@ class Spherical(JointKind):
 
 
 @dataclass(frozen=True)
-class Floating(JointKind):
+class Floating(JointMotion):
     """Free: q is a position (m) and a quaternion (x, y, z, w), v the velocity in the moved frame."""
 
     coordinates = 7

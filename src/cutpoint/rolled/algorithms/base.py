@@ -5,7 +5,7 @@ from typing import Any
 
 from cutpoint.kernels import Stage
 from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, accelerations
-from cutpoint.mechanics.bodies.joints import JointKind
+from cutpoint.mechanics.bodies.joints import JointMotion
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, net_wrench, parameters_of
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
 from cutpoint.mechanics.elastic_inverse import coordinate_jets
@@ -45,7 +45,7 @@ class Base:
     Names of regions that begin with "base." are its own numbers, or its row among those of the bodies.
     """
 
-    def __init__(self, kind: JointKind) -> None:
+    def __init__(self, kind: JointMotion) -> None:
         self.kind, self.axes = kind, len(kind.axes)
 
     def segment(self, row: Scalars) -> Segment:
