@@ -36,6 +36,9 @@ TINY = float(np.finfo(float).tiny)
 UNEVEN = 1.1
 """Least ratio of the share of errors at rest to the share of time at rest, if rest is the cause."""
 
+STEADY = 0.5
+"""Share of the squared held-out error: a larger one of its mean is named."""
+
 MOST = 0.5
 """Share of the squared error that counts as most of it."""
 
@@ -85,8 +88,12 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         notes.append(" hardly moves on the part held out: its error there proves nothing")
     if held > WORSE * fitted and is_large:
         times = f"{held / fitted:.1f} times that on the fitted part"
-        reason = "it moves differently there, or the machine changed"
-        notes.append(f": torque error on the part held out is {times}: {reason}")
+        bias, reason = float(errors.bias()[j]), "it moves differently there, or the machine changed"
+        if bias**2 > STEADY * held**2:
+            what = f"{abs(bias):.3g} {unit} {'more' if bias > 0.0 else 'less'}"
+            reason = f"its torque there is {what} in the mean, by a payload, or an offset that drifts"
+        rule = "intervals are for one machine that stays as it is, and do not include this"
+        notes.append(f": torque error on the part held out is {times}: {reason}; {rule}")
     if ratio.is_more and is_large:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")

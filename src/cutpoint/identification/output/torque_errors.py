@@ -88,6 +88,11 @@ class TorqueErrors:
         first, last = (_share(along[rows], np.abs(ways[rows])) for rows in (slice(third), slice(-third, None)))
         return last - first
 
+    def bias(self) -> Array:
+        """(n,) N m: mean of what torques exceed "after" by, on the held-out part."""
+        off = (self.measured - self.after)[self.held_out]
+        return _share(off, np.where(np.isfinite(off), 1.0, np.nan))
+
     def _rms(self, values: Array, held_out: bool) -> Array:
         squares = np.square(values[self.held_out == held_out])
         known = np.isfinite(squares).sum(axis=0)
