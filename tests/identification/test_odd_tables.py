@@ -43,12 +43,37 @@ def assert_read(found: Recording, missing: int = 0) -> None:
         [HEADER, "s,rad,rad,Nm,Nm"],
         [HEADER, "[s],-,,[N·m],(N.m)"],
         ["t (s),q1 [rad],q2 (radians),tau1[Nm],tau2 [N m]"],
+        ["// exported by hand", HEADER],
+        ["t,/joint_states/position/0,/joint_states/position/1,/joint_states/effort/0,/joint_states/effort/1"],
     ],
 )
 def test_whatever_stands_above_its_numbers_a_table_is_read(tmp_path: Path, above: list[str]):
     found = read(tmp_path, *above, *lines())
     assert_read(found)
     assert found.notes == ()
+
+
+def test_a_line_that_was_taken_for_the_names_is_shown_where_others_do_not_fit(tmp_path: Path):
+    told = r"line has 5 cells: it must have 3, .*; line 1 was taken as the names: 'Arm, of, tests'; .* \(.*log.csv:2\)"
+    with pytest.raises(InputError, match=told):
+        read(tmp_path, "Arm of tests", *lines(" "))
+    with pytest.raises(InputError, match=r"'exported' is neither; .*; line 1 was taken as the names: 'Arm, of, tests'"):
+        read(tmp_path, "Arm of tests", "exported by hand", HEADER, *lines())
+
+
+def test_newton_millimetres_and_milliseconds_in_a_name_are_known(tmp_path: Path):
+    found = read(tmp_path, "timestamp_ms,q1,q2,tau1 [Nmm],tau2 [N mm]", *lines())
+    assert np.allclose(found.time, 1e-3 * T, rtol=0.0, atol=1e-15)
+    assert np.allclose(found["torque"], 1e-3 * TAU, rtol=1e-15, atol=0.0)
+
+
+def test_a_clocks_nanoseconds_are_known_by_their_size(tmp_path: Path):
+    stamps = [1_700_000_000_000_000_000 + round(1e9 * t) for t in T.tolist()]
+    rest = (line.partition(",")[2] for line in lines())
+    found = read(tmp_path, HEADER, *(f"{stamp},{others}" for stamp, others in zip(stamps, rest, strict=True)))
+    # doubles near 1.7e18 are multiples of 256, near 1.7e9 of 2.4e-7: half of both, for each end of a span
+    assert np.allclose(found.time, T, rtol=0.0, atol=5e-7)
+    assert found.notes == ("time: t is taken as ns since 1970; if it is not, state time.unit in a mapping",)
 
 
 def test_excels_first_line_says_what_divides_cells(tmp_path: Path):

@@ -37,8 +37,19 @@ WISHED = re.compile(r"(desired|des|target|command|commanded|cmd|reference|ref|se
 
 def time_channel(names: Iterable[str]) -> str | None:
     """The first channel with a name of a time."""
-    found = {re.sub(r"[^a-z0-9]", "", _end(name).lower()): name for name in reversed(list(names))}
+    found = {re.sub(r"[^a-z0-9]", "", _end(_timed(name)[0]).lower()): name for name in reversed(list(names))}
     return next((found[name] for name in TIME if name in found), None)
+
+
+def unit_of_time(name: str) -> str:
+    """The unit at the end of a time's name, `timestamp_ms`, or ""."""
+    return _timed(name)[1]
+
+
+def _timed(name: str) -> tuple[str, str]:
+    """A name without the unit of time at its end, and that."""
+    found = re.fullmatch(r"(.*)_(ms|us|ns)", name, re.I)
+    return (found[1], found[2].lower()) if found else (name, "")
 
 
 def is_wished(name: str) -> bool:
@@ -56,7 +67,7 @@ def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
         rest = letters(f"{before}{after}".strip("._-/ []()"))
         if there and rest in KNOWN:
             return rest, joint
-    numbered = re.fullmatch(r"(.*?)[\s_-]*[\[(]?(\d+)[\])]?", name)
+    numbered = re.fullmatch(r"(.*?)[\s_/-]*[\[(]?(\d+)[\])]?", name)
     if numbered and letters(numbered[1]) in KNOWN:
         return letters(numbered[1]), str(int(numbered[2]))
     if letters(name) in KNOWN:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, listed
-from cutpoint.identification.logs.channel_names import time_channel
+from cutpoint.identification.logs.channel_names import time_channel, unit_of_time
 from cutpoint.identification.logs.mapping import ChannelMap
 from cutpoint.identification.logs.quantity import Measured
 from cutpoint.identification.logs.resampling import on_grid
@@ -16,6 +16,9 @@ from cutpoint.identification.logs.units import TIMES
 from cutpoint.identification.logs.wrapping import unwrapped
 
 Array = NDArray[np.float64]
+
+SINCE_1970 = 1e17
+"""Stamps above this are a clock's, in ns: 1e18 was in 2001, and 3 years of uptime are less."""
 
 
 def at_common_times(
@@ -30,7 +33,7 @@ def at_common_times(
     notes: list[str] = []
     for stamps in {id(each.stamps): each.stamps for each in measured.values()}.values():
         group = {name: each for name, each in measured.items() if each.stamps is stamps}
-        times = _times(table, mapping, len(next(iter(group.values())).values)) if stamps is None else stamps
+        times = _times(table, mapping, len(next(iter(group.values())).values), notes) if stamps is None else stamps
         found = _ordered_together(times, {name: each.values for name, each in group.items()}, table)
         notes += found.notes
         common = common or found
@@ -59,8 +62,11 @@ def _brought(name: str, values: Array, own: Ordered, common: Ordered, notes: lis
     return on_grid(own.times + later, values, common.times)
 
 
-def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
-    """Time of each sample, s.  Raises ModelError if neither the log nor the mapping gives it."""
+def _times(table: Table, mapping: ChannelMap, count: int, notes: list[str]) -> Array:
+    """Time of each sample, s, with a note if its unit was guessed.
+
+    Raises ModelError if neither the log nor the mapping gives it.
+    """
     sheet, section = mapping.sheet.time, mapping.section
     if sheet.period is not None:
         return sheet.period * np.arange(count, dtype=np.float64)
@@ -74,7 +80,11 @@ def _times(table: Table, mapping: ChannelMap, count: int) -> Array:
     channel = table.find(name)
     if channel is None or channel.width > 1:
         raise section.error(("time", "channel"), f"time: {table.missing(name)}")
-    unit = sheet.unit or channel.unit or "s"
+    unit = sheet.unit or channel.unit or unit_of_time(name)
+    if not unit and np.count_nonzero(channel.values > SINCE_1970) > 0.5 * channel.values.size:
+        notes.append(f"time: {name} is taken as ns since 1970; if it is not, state time.unit in a mapping")
+        unit = "ns"
+    unit = unit or "s"
     if unit not in TIMES:
         known = listed(TIMES)
         rule = f"time: channel {name!r} is in {unit!r}, not a known unit of time; state time.unit, one of {known}"

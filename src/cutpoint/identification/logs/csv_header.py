@@ -15,7 +15,7 @@ from cutpoint.identification.logs.units import known_unit, name_and_unit
 LONGEST_LINE = 100_000
 """Largest length, in characters, of the line that names the columns."""
 
-COMMENTS = ("#", "%")
+COMMENTS = ("#", "%", "//")
 
 NO_UNIT = ("", "-", "1")
 """Cells for a column without a unit in a line of units."""
@@ -29,6 +29,12 @@ class Header(NamedTuple):
     delimiter: str
     line: int
     rest: Iterator[str]
+
+    @property
+    def told(self) -> str:
+        """The end of a message about a line that does not fit the names, which may be something else."""
+        names = ", ".join(self.names[:8])[:200]
+        return f"line {self.line} was taken as the names: '{names}'; if they stand farther down, remove the lines above"
 
 
 def read_header(text: TextIO, file: str) -> Header:
@@ -49,10 +55,8 @@ def read_header(text: TextIO, file: str) -> Header:
     if "\0" in first:
         raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
     delimiter = told[1] if told else delimiter_of(first)
-    titles, above = (
-        _cells(first, delimiter),
-        _cells(comment.strip("#% \r\n"), told[1] if told else delimiter_of(comment)),
-    )
+    titles, words = _cells(first, delimiter), comment.strip("#%/ \r\n")
+    above = _cells(words, told[1] if told else delimiter_of(comment))
     if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
         return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
     return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
@@ -66,20 +70,21 @@ def _line(text: TextIO, file: str, number: int) -> str:
     return found
 
 
-def units_below(cells: list[str], delimiter: str, place: str) -> list[str] | None:
+def units_below(cells: list[str], header: Header, place: str) -> list[str] | None:
     """The columns' units, if the line below the names states them; None if it is a sample.
 
     Raises InputError for a line of words that are not all units.
     """
     stated = [cell for cell in cells if cell not in NO_UNIT]
     # only dashes: missing samples
-    if not any(re.search(r"[^\W\d_]|[°%]", cell) for cell in stated) or not all(is_word(c, delimiter) for c in stated):
+    are_words = all(is_word(cell, header.delimiter) for cell in stated)
+    if not any(re.search(r"[^\W\d_]|[°%]", cell) for cell in stated) or not are_words:
         return None
     units = ["" if cell in NO_UNIT else known_unit(cell) for cell in cells]
     if None in units:
         shown, wrong = ", ".join(cells[:8])[:200], cells[units.index(None)][:40]
         rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; remove or correct it"
-        raise InputError(f"the line below the names holds {shown!r}: {rule}", place=place)
+        raise InputError(f"the line below the names holds {shown!r}: {rule}; {header.told}", place=place)
     return [unit or "" for unit in units]
 
 

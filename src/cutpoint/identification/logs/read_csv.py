@@ -43,11 +43,12 @@ def _read(text: TextIO, path: Path) -> Table:
         if cut_off or len(row) > cells.width:
             line, found = cut_off or (line, len(row))
             rule = f"line has {counted(found, 'cell')}: it must have {cells.width}, as the line of names"
+            rule += "" if cells.count else f"; {header.told}"
             raise InputError(rule, place=f"{path}:{line}")
         if len(row) < cells.width:
             cut_off = line, len(row)
             continue
-        below = None if count else units_below(row, header.delimiter, f"{path}:{line}")
+        below = None if count else units_below(row, header, f"{path}:{line}")
         if below:
             units = [under or beside for under, beside in zip(below, units, strict=True)]
         else:

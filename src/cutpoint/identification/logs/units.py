@@ -5,7 +5,8 @@ import re
 
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "m": 1.0, "mm": 1e-3}
 SPEEDS = {f"{unit}/s": factor for unit, factor in ANGLES.items()} | {"rpm": math.pi / 30.0}
-TORQUES = {"N m": 1.0, "Nm": 1.0, "mN m": 1e-3, "mNm": 1e-3, "kN m": 1e3, "N": 1.0, "kN": 1e3}
+SMALL = {unit: 1e-3 for unit in ("mN m", "mNm", "N mm", "Nmm")}
+TORQUES = {"N m": 1.0, "Nm": 1.0, **SMALL, "kN m": 1e3, "N": 1.0, "kN": 1e3}
 CURRENTS = {"A": 1.0, "mA": 1e-3}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
@@ -52,7 +53,7 @@ _SPELT = {spelling.lower(): unit for unit, those in SPELLINGS.items() for spelli
 
 def known_unit(text: str) -> str | None:
     """The unit spelled by a text such as `°/sec`, `N.m` or `[Nm]`, or None."""
-    text = re.sub(r"^([mk]?N)[\s.·⋅*-]*m$", r"\1 m", text.strip(" []()"))
+    text = re.sub(r"^([mk]?N)[\s.·⋅*-]*(mm?)$", r"\1 \2", text.strip(" []()"))
     whole, _, per = text.partition("/")
     rate = f"{_SPELT.get(whole.strip().lower(), whole.strip())}/s" if _SPELT.get(per.strip().lower()) == "s" else ""
     return next((unit for unit in (text, _SPELT.get(text.lower()), rate) if unit in KNOWN), None)
