@@ -61,6 +61,11 @@ def test_a_line_that_was_taken_for_the_names_is_shown_where_others_do_not_fit(tm
         read(tmp_path, "Arm of tests", "exported by hand", HEADER, *lines())
 
 
+def test_columns_that_are_numbered_from_zero_and_from_one_are_not_paired(tmp_path: Path):
+    with pytest.raises(InputError, match=r"columns 'tau1', 'tau2': none of them matches 'q0'; use matching names"):
+        read(tmp_path, "t,q0,q1,tau1,tau2", *lines())
+
+
 def test_newton_millimetres_and_milliseconds_in_a_name_are_known(tmp_path: Path):
     found = read(tmp_path, "timestamp_ms,q1,q2,tau1 [Nmm],tau2 [N mm]", *lines())
     assert np.allclose(found.time, 1e-3 * T, rtol=0.0, atol=1e-15)

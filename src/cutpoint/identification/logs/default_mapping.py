@@ -89,7 +89,8 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
     """A quantity's columns in the order of the position's.  Raises InputError."""
     own = group.channels
     if not set(labels) <= set(own):
-        if not ((_are_numbers(labels) and _are_numbers(own)) or "" in (*first, *own)):
+        fewer = _are_numbers(labels) and set(own) <= set(labels)
+        if not (fewer or "" in (*first, *own)):
             lacking = next(label for label in labels if label not in own)
             rule = f"none of them matches {first[lacking]!r}; use matching names, or give a mapping"
             if set(own) <= set(labels):
