@@ -248,11 +248,11 @@ REFUSED = {
     ),
     "an observer around a law for one drive": (
         lambda: DisturbanceObserver(elbow(), SpeedFilter(PD(1.0, 1.0)), 30.0),
-        r"PD is for 1 drives, but the robot has 2",
+        r"PD is for 1 drive, but the robot has 2",
     ),
     "a pole of a law for another robot": (
         lambda: slowest_pole(elbow(), SpeedFilter(law("PD") + PD(1.0, 1.0)), [0.0] * 2, 1e-3),
-        r"PD is for 1 drives, but the robot has 2",
+        r"PD is for 1 drive, but the robot has 2",
     ),
     "a pole where commands come too late": (
         lambda: slowest_pole(late(5e-3), law("PD"), [0.0] * 2, 1e-3),

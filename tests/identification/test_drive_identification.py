@@ -154,6 +154,17 @@ def test_numbers_stand_beside_those_of_the_files(arm: Case):
             assert prior["hysteresis loss"] == pytest.approx(wide)
 
 
+def test_each_part_of_a_motors_friction_that_is_not_told_has_a_reason_of_its_own(arm: Case):
+    estimate = arm.found.joints["joint1"]
+    rotor = replace(estimate.rotor, covariance=1e6 * np.eye(len(estimate.rotor.names)))
+    found = replace(estimate, rotor=rotor, unidentifiable=estimate.unidentifiable | rotor.unidentifiable)
+    rows = {each.name: each for each in drive_numbers("joint1", arm.true.drives["joint1"], found, True)}
+    for name, unit in (("coulomb", "N m"), ("viscous", "N m s/rad")):
+        row = rows[f"{name}, by the motor alone"]
+        assert not row.told
+        assert row.why.startswith(f"{name} {rotor[name]:.3g} +- 1e+03 {unit} cannot be told from zero: excite")
+
+
 def test_a_loop_beside_a_spring_that_is_not_told_is_as_wide_as_it_was_found(arm: Case, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(spring_estimate, "COUNTS", 50.0)  # of a spring that is wound by less, loops are rarely told
     supposed, name = supposed_arm(arm.true), "joint4"

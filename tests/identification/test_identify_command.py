@@ -294,7 +294,13 @@ def test_the_command_prints_errors_and_saves(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", channels())
     status, text = run(files, log, tmp_path / "out")
     assert status == 0, text
-    for word in ("held out", "shoulder", "elbow", "numbers told by this log", "not told: no torque of any motion"):
+    for word in (
+        "held out",
+        "shoulder",
+        "elbow",
+        "numbers identified from this log",
+        "not identified: no torque of any motion",
+    ):
         assert word in text
     assert len(list((tmp_path / "out").iterdir())) == 4
     status, text = run(files, log, tmp_path / "out")

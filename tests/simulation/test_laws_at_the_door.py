@@ -70,7 +70,7 @@ def test_what_is_no_law_is_refused(law, message):
 def test_a_law_within_others_is_for_as_many_drives():
     inner = PD([1.0] * 6, [1.0] * 6) + PD([1.0], [1.0])
     for law in (SpeedFilter(inner), Guard(robot("xia2019"), Small()) + SpeedFilter(inner)):
-        with pytest.raises(InputError, match="PD is for 1 drives, but the robot has 6: make it for as many"):
+        with pytest.raises(InputError, match="PD is for 1 drive, but the robot has 6: make it for as many"):
             run(law)
     with pytest.raises(InputError, match="Small is for 2 drives, but the robot has 6"):
         run(SpeedFilter(PD([1.0] * 6, [1.0] * 6) + Small(2)))

@@ -40,6 +40,12 @@ def results(folder: Path) -> Any:
     return json.loads((folder / "results.json").read_text(encoding="utf-8"))
 
 
+def test_a_page_counts_its_runs(folder: Path, tmp_path: Path):
+    run(tmp_path, seeds=1, laws=(), scenarios=("nominal",), progress=False)
+    pages = [(place / "index.html").read_text(encoding="utf-8") for place in (folder, tmp_path)]
+    assert "there are 2 runs, and the worst counts." in pages[0] and "there is 1 run." in pages[1]
+
+
 def test_laws_are_as_stiff_as_the_pd_within_a_hundredth(results):
     pd, vdc = (np.array(results["comparison"]["laws"][key]["stiffness"]) for key in ("pd", "vdc_filter"))
     assert np.exp(np.mean(np.log(vdc / pd))) == pytest.approx(1, abs=0.01)

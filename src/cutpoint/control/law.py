@@ -20,7 +20,7 @@ from cutpoint.control.interface import (
     stepped,
 )
 from cutpoint.door import check_kind
-from cutpoint.errors import InputError, listed
+from cutpoint.errors import InputError, counted, listed
 from cutpoint.scalars import Scalar, where
 
 
@@ -196,7 +196,9 @@ def check_drives(law: Controller, joints: Sequence[str]) -> None:
     drives = len(joints)
     size = getattr(law, "size", drives)
     if size != drives:
-        raise InputError(f"{name_of(law)} is for {size} drives, but the robot has {drives}: make it for as many")
+        raise InputError(
+            f"{name_of(law)} is for {counted(size, 'drive')}, but the robot has {drives}: make it for as many"
+        )
     own = getattr(getattr(law, "robot", None), "joints", joints)
     if own != joints:
         found = f"the joints of its robot are {listed(own)}, but those of this one {listed(joints)}"

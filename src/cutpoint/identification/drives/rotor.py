@@ -26,6 +26,14 @@ UNCERTAIN = 0.1
 
 SHARE = f"is uncertain by more than {UNCERTAIN:.0%}"
 
+UNITS = {
+    "inertia": "kg m2 at the joint",
+    "coulomb": "N m",
+    "viscous": "N m s/rad",
+    "gain": "N m/A at the joint",
+}
+"""Of unknowns that may be too uncertain, for messages."""
+
 SMOOTHEST = 0.3
 """Largest smoothing of dry friction's sign change, as a share of the RMS speed; the smallest is a hundredth of it."""
 
@@ -73,20 +81,23 @@ class RotorEstimate(Unknowns):
         """What cannot be determined, "rotor inertia", "motor friction" or "torque constant", each with the reason."""
         found: dict[str, str] = {}
         if not self._surpasses("inertia", 1.0 / UNCERTAIN):
-            found["rotor inertia"] = self._vague("inertia", "kg m2 at the joint", SHARE)
+            found["rotor inertia"] = vague(self, "inertia")
         if not (self._surpasses("coulomb", SIGNIFICANT) or self._surpasses("viscous", SIGNIFICANT)):
-            found["motor friction"] = self._vague("coulomb", "N m", "cannot be told from zero")
+            found["motor friction"] = vague(self, "coulomb")
         if "gain" in self.names and not self._surpasses("gain", 1.0 / UNCERTAIN):
-            found["torque constant"] = self._vague("gain", "N m/A at the joint", SHARE)
+            found["torque constant"] = vague(self, "gain")
         return found
 
     def _surpasses(self, name: str, times: float) -> bool:
         value = abs(self[name]) if name == "gain" else self[name]
         return value > times * self.deviations[name]
 
-    def _vague(self, name: str, unit: str, complaint: str) -> str:
-        figures = f"{self[name]:.3g} +- {self.deviations[name]:.2g} {unit}"
-        return f"{name} {figures} {complaint}: excite with more acceleration and speed"
+
+def vague(found: RotorEstimate, name: str) -> str:
+    """Why an unknown of `UNITS` cannot be determined."""
+    complaint = "cannot be told from zero" if name in ("coulomb", "viscous") else SHARE
+    figures = f"{found[name]:.3g} +- {found.deviations[name]:.2g} {UNITS[name]}"
+    return f"{name} {figures} {complaint}: excite with more acceleration and speed"
 
 
 def motor_side(

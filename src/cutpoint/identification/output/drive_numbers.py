@@ -9,7 +9,7 @@ from scipy.stats import t
 
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.one_drive import DriveEstimate
-from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.rotor import RotorEstimate, vague
 from cutpoint.identification.drives.scatter import DEGREES
 from cutpoint.identification.drives.stated_parts import law_of, loss
 from cutpoint.identification.drives.two_encoders import SpringEstimate
@@ -105,9 +105,10 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
     if inertia:
         path: Path = ("rotor", "inertia") if used else ()
         own.append(rows.row("rotor inertia", inertia, path, stated, "rotor inertia", scale))
+    common, vaguely = rows.why.get("motor friction", BY_COULOMB), rotor.unidentifiable.get("motor friction")
     for name in ("coulomb", "viscous"):
         each = _found(rotor, name)
-        why = rows.why.get("motor friction", BY_COULOMB)
+        why = vague(rotor, name) if common == vaguely else common
         own += [replace(rows.row(f"{name}, by the motor alone", each, ()), told=False, why=why)] if each else []
     return own
 

@@ -37,7 +37,7 @@ class Identification:
 
     def __repr__(self) -> str:
         told = sum(number.told for number in self.numbers)
-        return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers told)"
+        return f"Identification({self.robot.name!r}: {told} of {len(self.numbers)} numbers identified)"
 
     def save(self, folder: str | Path, *, force: bool = False) -> list[Path]:
         """Writes robot.urdf, robot.drives.yaml, parameters.json and report.html, each atomically.

@@ -53,7 +53,7 @@ class Number:
     def remark(self) -> str:
         """The interval in the file's units, or why there is none."""
         if not self.told:
-            return f"not told by the log: {self.why}"
+            return f"not identified from the log: {self.why}"
         low, high = sorted((self.scale * self.low, self.scale * self.high))
         words = _interval(low, high, self.scale * self.used)
         within = self.low <= self.used <= self.high or np.isnan(self.used)

@@ -31,7 +31,9 @@ def _heading(found: Identification) -> Heading:
     joints = len(found.robot.joints)
     about = f"{found.robot.name}: {counted(joints, 'joint')}, a log of {span:.4g} s, {recording.time.size} samples"
     held = f"{found.errors.held_out.mean():.0%} of the log, at its end, was held out of the fit."
-    return Heading("Identification", about, (f"{told} of {len(found.numbers)} numbers are told by this log. {held}",))
+    return Heading(
+        "Identification", about, (f"{told} of {len(found.numbers)} numbers are identified from this log. {held}",)
+    )
 
 
 def _torques(found: Identification) -> Page:
@@ -70,7 +72,7 @@ def error_rows(found: Identification) -> tuple[tuple[str, ...], ...]:
 
 
 def _numbers(found: Identification) -> Page:
-    heads = ("name", "unit", "the log alone", "95 % interval", "in the model", "in the files", "told")
+    heads = ("name", "unit", "the log alone", "95 % interval", "in the model", "in the files", "identified")
     rows = tuple(_row(number) for number in found.numbers)
     table = Table("Table 2", "Everything sought, in SI units at the joint's side", heads, rows)
     how = (
@@ -115,6 +117,6 @@ def _drives(found: Identification) -> list[Page]:
 
 
 def _said(found: Identification, notes: Sequence[str]) -> Page:
-    untold = found.untold or ("Everything sought is told.",)
+    untold = found.untold or ("Everything sought is identified.",)
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
     return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))

@@ -26,15 +26,15 @@ def table_of(found: Identification) -> Table:
         table.add_row(Text(joint), *words, laws.get(joint, "as stated"))
     told = sum(number.told for number in found.numbers)
     what = "plain: least squares with Coulomb and viscous friction, on the part held out too"
-    table.caption = f"{told} of {len(found.numbers)} numbers told by this log; {what}"
+    table.caption = f"{told} of {len(found.numbers)} numbers identified from this log; {what}"
     return table
 
 
 def sentences(found: Identification) -> list[str]:
     """What is undetermined, and what was done or looks wrong, a line each; the report has all of it."""
     # hysteresis, which few logs determine, last
-    untold = [f"not told: {words}" for words in sorted(found.untold, key=lambda words: "hysteresis" in words)]
+    untold = [f"not identified: {words}" for words in sorted(found.untold, key=lambda words: "hysteresis" in words)]
     if len(untold) > SHOWN:
-        untold[SHOWN - 1 :] = [f"not told: {len(untold) - SHOWN + 1} more numbers, see the report"]
+        untold[SHOWN - 1 :] = [f"not identified: {len(untold) - SHOWN + 1} more numbers, see the report"]
     choices = {str(choice) for choice in found.rigid.friction}
     return [*untold, *(f"note: {words}" for words in found.notes if words not in choices)]

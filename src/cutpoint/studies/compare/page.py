@@ -73,9 +73,10 @@ def _move(bench: Bench) -> str:
 
 def _scenarios(results: Results, seeds: int) -> str:
     told = "; ".join(f"{s.name}: {s.what}" for s in SCENARIOS if s.key in results.outcomes)
+    runs = "is 1 run" if seeds == 1 else f"are {seeds} runs, and the worst counts"
     return (
         f"Each scenario departs from the first in one thing. {told}. Gains stay as they are; what is wrong is the "
-        f"model inside the law. Where chance has a part there are {seeds} runs, and the worst counts."
+        f"model inside the law. Where chance has a part there {runs}."
     )
 
 
