@@ -2,6 +2,7 @@
 
 import errno
 import itertools
+import json
 import os
 import re
 import shlex
@@ -108,6 +109,55 @@ def test_torques_that_are_equal_are_printed_equal() -> None:
     rows = [[cell.strip() for cell in line.split("│")] for line in told.splitlines() if line.startswith("│")]
     assert len(rows) == 6 and all(gravity == on_link for _, _, _, gravity, on_link, *_ in rows)
     assert "14.2307" in {row[3] for row in rows}
+
+
+def saved(folder: Path, *arguments: str) -> Any:
+    """What a command writes as JSON."""
+    file = folder / "found.json"
+    assert f"numbers saved: {file}\n" in printed(*arguments, "--json", str(file))
+    return json.loads(file.read_text(encoding="utf-8"))
+
+
+def test_torques_at_a_place_are_saved_as_they_are_computed(tmp_path: Path) -> None:
+    given = {"--q": "0,30,60,0,45,0", "--v": "1,2,3,4,5,6", "--a": "6,5,4,3,2,1"}
+    found = saved(tmp_path, "torque", "xia2019", *itertools.chain(*given.items()), "--degrees")
+    arm = robots.xia2019()
+    motion = [np.radians([float(x) for x in text.split(",")]) for text in given.values()]
+    u = arm.elastic_inverse_dynamics(*motion, np.zeros(6), np.zeros(6), quasi_rigid=True)
+    lead = u.theta - motion[0]
+    expected = [*motion, arm.gravity_forces(motion[0]), u.joint_torque, u.motor_torque, lead]
+    names = ["position", "speed", "acceleration", "gravity", "joint_torque", "motor_torque", "motor_lead"]
+    assert (found["robot"], [*found["joints"]]) == (arm.name, [*arm.joints])
+    for name, values in zip(names, expected, strict=True):
+        assert [joint[name] for joint in found["joints"].values()] == values.tolist()
+    with pytest.raises(InputError, match=r"torque: --json applies only to --q; save a motion's torques by --output"):
+        CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--json", "x.json"], catch_exceptions=False)
+
+
+def test_modes_are_saved_by_frequency(tmp_path: Path) -> None:
+    found = saved(tmp_path, "modes", "xia2019", "--q", "0,30,60,0,45,0", "--degrees")
+    modes = robots.xia2019().modes(np.radians([0, 30, 60, 0, 45, 0]))
+    assert [mode["frequency"] for mode in found["modes"]] == modes.frequencies.tolist()
+    assert [mode["damping_ratio"] for mode in found["modes"]] == modes.damping.tolist()
+    assert [mode["drives"] for mode in found["modes"]] == [modes.joints_of(k) for k in range(len(modes.frequencies))]
+    assert (found["robot"], found["friction"], found["remark"]) == (robots.xia2019().name, False, None)
+
+
+def test_a_robot_is_saved_with_its_joints_and_drives(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    (tmp_path / "arm.yaml").write_text(ELASTIC, encoding="utf-8")
+    found = saved(tmp_path, "inspect", str(tmp_path / "arm.urdf"), "--drives", str(tmp_path / "arm.yaml"))
+    assert found["joints"] == {
+        "swing": {
+            "kind": "revolute", "carries": "a[red]", "carried_by": "world", "mass": 1.0,
+            "position_limits": [-1.0, 1.0], "speed_limit": 3.0, "effort_limit": 10.0,
+        }
+    }  # fmt: skip
+    drive = found["drives"]["swing"]
+    assert (drive["ratio"], drive["reflected_inertia"], drive["rotor"]["inertia"]) == (100.0, pytest.approx(0.1), 1e-5)
+    assert (drive["compliance"], drive["laws"]) == ({"stiffness": 1e4}, {"compliance": "LinearSpring"})
+    assert drive["limits"] == {"lower": None, "upper": None, "velocity": None, "effort": None}
+    assert found["gravity"] == [0.0, 0.0, -9.81] and "swing" in found["frames"] and "damping" not in drive
 
 
 @pytest.mark.parametrize("name", OF_COMMANDS)

@@ -11,9 +11,11 @@ from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Guarded, 
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
+    Json,
     Smoothing,
     above_zero,
     app,
+    check_target,
     check_targets,
     console,
     keep,
@@ -22,6 +24,7 @@ from cutpoint.commands.shared import (
     positions_of,
     say_notes,
 )
+from cutpoint.commands.sheets import modes_sheet, robot_sheet, save_sheet
 from cutpoint.commands.tables import (
     drive_table,
     error_table,
@@ -45,9 +48,13 @@ CHARACTERS = 25
 def inspect(
     robot: RobotFile,
     floating_base: FloatingBase = False,
+    json: Json = None,
 ) -> None:
     """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
+    check_target("json", json, (".json",))
     loaded = robot.load(floating_base=floating_base)
+    if json:
+        save_sheet(robot_sheet(loaded), json)
     if not loaded.mechanism.bodies:
         console.print(f"{loaded.name} has no moving joint.", highlight=False)
     else:
@@ -121,15 +128,19 @@ def modes(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the frequency responses: .png, .pdf or .svg.")
     ] = None,
+    json: Json = None,
 ) -> None:
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
     check_targets(None, plot)
+    check_target("json", json, (".json",))
     loaded = robot.load(degrees=degrees)
     position = positions_of(loaded, "q", q, degrees)
     check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)
     if plot:
         keep_picture(found.plot(), plot)
+    if json:
+        save_sheet(modes_sheet(loaded, found), json)
     print_table(modes_table(loaded, found), console)
 
 

@@ -81,6 +81,9 @@ Smoothing = Annotated[
         help="Bandwidth to smooth a file's positions to, Hz; default 10, or what samples allow.",
     ),
 ]
+Json = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Save the numbers by joint or mode, in SI units: .json.")
+]
 Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 

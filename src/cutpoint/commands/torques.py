@@ -10,9 +10,11 @@ import cutpoint
 from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
+    Json,
     Smoothing,
     above_zero,
     app,
+    check_target,
     check_targets,
     console,
     keep,
@@ -21,6 +23,7 @@ from cutpoint.commands.shared import (
     positions_of,
     say_notes,
 )
+from cutpoint.commands.sheets import save_sheet, torque_sheet
 from cutpoint.commands.tables import beyond_travel, motion_table, torque_table
 from cutpoint.errors import InputError
 from cutpoint.model.limits import check_configuration
@@ -62,14 +65,18 @@ def torque(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save a picture of them: .png, .pdf or .svg.")
     ] = None,
+    json: Json = None,
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
     check_targets(output, plot)
+    check_target("json", json, (".json",))
     loaded = robot.load(degrees=degrees)
     if trajectory is not None:
         if q is not None or v or a or degrees:
             rule = "leave out --q, --v, --a and --degrees; its first line names the units, and --lock is in rad"
             raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
+        if json:
+            raise InputError("torque: --json applies only to --q; save a motion's torques by --output")
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
@@ -85,6 +92,8 @@ def torque(
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
     torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
+    if json:
+        save_sheet(torque_sheet(loaded, position, speed, acceleration, torques), json)
     print_table(torque_table(loaded, position, speed, acceleration, torques), console)
     say_notes(beyond_travel(loaded, position, position))
 

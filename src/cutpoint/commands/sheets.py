@@ -1,0 +1,102 @@
+"""The numbers of tables as JSON: SI units, null for what is infinite, nothing for what a drive does not state."""
+
+import json
+from dataclasses import is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.commands.shared import say_path
+from cutpoint.files import replacing
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
+from cutpoint.model.drive import Drive
+from cutpoint.model.limits import limits_in_force
+from cutpoint.model.mechanism import Body
+from cutpoint.robot import Robot
+
+if TYPE_CHECKING:
+    from cutpoint.analysis import Modes
+
+Array = NDArray[np.float64]
+
+LAWS = ("compliance", "link_friction", "motor_friction", "hysteresis", "kinematic_error")
+"""Parts of a drive that are of several classes, whose name is told."""
+
+
+def save_sheet(sheet: dict[str, Any], path: Path) -> None:
+    """Writes the sheet, whole or not at all."""
+    text = json.dumps(_plain(sheet), indent=1, ensure_ascii=False, allow_nan=False)
+    with replacing(path) as file:
+        file.write(text.encode())
+    say_path("numbers saved", path)
+
+
+def robot_sheet(robot: Robot) -> dict[str, Any]:
+    """Bodies by joint, with the limits of their joints, and drives by joint."""
+    masses = robot.inertial_parameters.reshape(-1, 10)[:, 0].tolist()
+    bodies = robot.mechanism.bodies
+    joints = {body.joint.name: {**_body(robot, body), "mass": mass} for body, mass in zip(bodies, masses, strict=True)}
+    return {
+        "robot": robot.name,
+        "subsystems": len(robot.subsystems),
+        "cutting_points": len(robot.cuts),
+        "joints": joints,
+        "drives": {name: _drive(drive) for name, drive in robot.drives.items()},
+        "gravity": robot.gravity.tolist(),
+        "frames": list(robot.frames),
+    }
+
+
+def torque_sheet(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[Array]) -> dict[str, Any]:
+    """A motion and its torques by joint, at the joint's side."""
+    columns = {
+        "position": q, "speed": v, "acceleration": a, "gravity": robot.gravity_forces(q),
+        "joint_torque": u.joint_torque, "motor_torque": u.motor_torque, "motor_lead": u.theta - q,
+    }  # fmt: skip
+    rows = zip(*columns.values(), strict=True)
+    of_joints = {name: dict(zip(columns, row, strict=True)) for name, row in zip(robot.joints, rows, strict=True)}
+    return {"robot": robot.name, "joints": of_joints}
+
+
+def modes_sheet(robot: Robot, found: "Modes") -> dict[str, Any]:
+    """Modes by frequency, Hz, with each drive's share."""
+    own = [
+        {"frequency": f, "damping_ratio": zeta, "drives": found.joints_of(k)}
+        for k, (f, zeta) in enumerate(zip(found.frequencies, found.damping, strict=True))
+    ]
+    return {"robot": robot.name, "friction": found.model.friction, "modes": own, "remark": found.remark or None}
+
+
+def _body(robot: Robot, body: Body) -> dict[str, Any]:
+    """What carries it, and the limits in force, where 0 stands for none; a follower has its leader instead."""
+    joint, bodies = body.joint, robot.mechanism.bodies
+    carrier = bodies[body.parent].name if body.parent >= 0 else "world"
+    told = {"kind": joint.kind, "carries": body.name, "carried_by": carrier}
+    if joint.mimic and robot.mechanism.coupled:
+        return {**told, "follows": joint.mimic}
+    in_force = limits_in_force(robot.mechanism, robot.drives).get(joint.name, joint.limits)
+    return {
+        **told,
+        "position_limits": [joint.limits.lower, joint.limits.upper],
+        "speed_limit": in_force.velocity or np.inf,
+        "effort_limit": in_force.effort or np.inf,
+    }
+
+
+def _drive(drive: Drive) -> dict[str, Any]:
+    laws = {part: type(getattr(drive, part)).__name__ for part in LAWS if getattr(drive, part) is not None}
+    return {**_plain(drive), "reflected_inertia": drive.reflected_inertia, "laws": laws}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(name): _plain(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    if is_dataclass(value):
+        return {name: _plain(each) for name, each in vars(value).items() if each is not None}
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value
