@@ -12,7 +12,6 @@ from cutpoint.commands.shared import say_path
 from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import limits_in_force
 from cutpoint.model.mechanism import Body
 from cutpoint.robot import Robot
 
@@ -76,7 +75,7 @@ def _body(robot: Robot, body: Body) -> dict[str, Any]:
     told = {"kind": joint.kind, "carries": body.name, "carried_by": carrier}
     if joint.mimic and robot.mechanism.coupled:
         return {**told, "follows": joint.mimic}
-    in_force = limits_in_force(robot.mechanism, robot.drives).get(joint.name, joint.limits)
+    in_force = robot.limits.get(joint.name, joint.limits)
     return {
         **told,
         "position_limits": [joint.limits.lower, joint.limits.upper],

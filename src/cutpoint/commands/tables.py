@@ -13,7 +13,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.model.mechanism import Joint, Limits, Mimic
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
@@ -41,7 +41,7 @@ def robot_table(robot: Robot, console: Console) -> Table:
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
     stacked.columns[-1].no_wrap = True
-    in_force, bodies = limits_in_force(robot.mechanism, robot.drives), robot.mechanism.bodies
+    in_force, bodies = robot.limits, robot.mechanism.bodies
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
     for body, mass in zip(bodies, masses, strict=True):
         joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
@@ -173,7 +173,7 @@ def error_table(robot: Robot, log: "Log") -> Table:
 
 def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
     """A sentence for each joint that moves, from `low` to `high` (n,), farther than files allow."""
-    limits = limits_in_force(robot.mechanism, robot.drives).values()
+    limits = robot.limits.values()
     for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
         if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
             factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
