@@ -83,8 +83,10 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
     An object that is not a record counts by its `trace_key`, if it has one, or by its identity.
     known: what parts count by instead, keyed by identity.
     """
-    if type(record) is float:  # most are
+    if type(record) is float:  # most are this, or nothing
         return float
+    if record is None:
+        return None
     if known and id(record) in known:
         return known[id(record)]
     if isinstance(record, np.ndarray):
@@ -95,7 +97,7 @@ def structure_of(record: Any, known: Mapping[int, Hashable] | None = None) -> Ha
         return (dict, *((key, structure_of(record[key], known)) for key in _keys(record)))
     if is_dataclass(record) and not isinstance(record, type):
         return (type(record), *(structure_of(getattr(record, name), known) for name in _fields(type(record))))
-    if isinstance(record, (*_STRUCTURE, str, bytes, type(None))):
+    if isinstance(record, (*_STRUCTURE, str, bytes)):
         return (type(record), record)
     if hasattr(type(record), "__neg__"):
         return float

@@ -113,7 +113,7 @@ def first_chunk(substeps: int) -> int:
 
 def next_chunk(ticks: int, seconds: float) -> int:
     """As many samples as take about CHUNK_SECONDS, so that progress is shown and Ctrl-C is noticed."""
-    return max(1, min(16 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
+    return max(1, min(64 * ticks, int(ticks * CHUNK_SECONDS / max(seconds, 1e-6))))
 
 
 def _advance(
