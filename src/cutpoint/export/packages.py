@@ -17,7 +17,7 @@ from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.export.notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
 from cutpoint.functions.compiled import compiled_of
-from cutpoint.functions.exported import RESULTS
+from cutpoint.functions.traits import TRAITS
 from cutpoint.kernels.graphs.precision import PRECISIONS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
@@ -44,7 +44,7 @@ def export_function(
 ) -> tuple[Path, ...]:
     """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
 
-    function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of RESULTS.
+    function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of TRAITS.
     folder: of the package; created with its parents if missing.  Files that an earlier export wrote are replaced.
     to: "c" or "cuda".  precision: "float64" or "float32".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
@@ -74,9 +74,9 @@ def export_function(
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
     graph = replace(fresh.kernel(function).graph, precision=PRECISIONS[precision])
-    if RESULTS[function]:
+    if named := TRAITS[function].result:
         (port,) = graph.outputs
-        graph = replace(graph, outputs=(replace(port, name=RESULTS[function]),))
+        graph = replace(graph, outputs=(replace(port, name=named),))
     notes = notes_of(robot, graph, about, values, result)
     return _WRITERS[to](graph, name, folder, notes, force=force)
 
@@ -130,8 +130,8 @@ def _check_words(**given: str) -> None:
     """Raises InputError for a function, a target or a precision that there is not, and for what is no name."""
     for key, text in given.items():
         check_kind("export_function", key, text, str, "a name")
-    if given["function"] not in RESULTS:
-        raise unknown_name("function to export", given["function"], RESULTS)
+    if given["function"] not in TRAITS:
+        raise unknown_name("function to export", given["function"], TRAITS)
     if given["to"] not in _WRITERS:
         raise unknown_name("target of export", given["to"], _WRITERS)
     _check_precision(given["precision"])
@@ -160,8 +160,8 @@ def _passing(period: float, steps: np.ndarray) -> np.ndarray:
 def _as_loops(robot: Robot, function: str) -> tuple[Source, Callable[..., Any]] | None:
     """A function that has been called, in C and on arrays, if it runs as loops that leave as C."""
     if loops := compiled_of(robot).looping(function):
-        names = [RESULTS[function]] if RESULTS[function] else []
-        return loops.to_c(*names), loops
+        named = TRAITS[function].result
+        return loops.to_c(*([named] if named else [])), loops
     return in_c.forward_dynamics(robot) if function == "forward_dynamics_derivatives" else None
 
 

@@ -16,10 +16,11 @@ from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError, those_that_exist
 from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.functions.motionless import MATRICES, with_empty_matrices
+from cutpoint.functions.motionless import with_empty_matrices
 from cutpoint.functions.plain import Functions
 from cutpoint.functions.quaternions import quaternions_of, with_quaternions
 from cutpoint.functions.robot_function import RobotFunction
+from cutpoint.functions.traits import TRAITS
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
 from cutpoint.mechanics.assembly.reframing import Framing
@@ -41,21 +42,6 @@ from cutpoint.scalars import leaves, rebuild, structure_of
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
-
-JOINT_QUANTITIES = frozenset({
-    "inverse_dynamics", "forward_dynamics", "bias_forces", "gravity_forces", "coriolis_matrix", "mass_matrix",
-    "kinetic_energy", "potential_energy", "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection",
-    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
-    "elastic_forward_dynamics_derivatives", "drive_regressor",
-})  # fmt: skip
-"""Functions that tell nothing of single bodies: what they give is the same on the lean machine, in fewer operations."""
-
-GEOMETRIC = frozenset({
-    "frame_pose", "jacobian", "velocity_map", "integrate", "difference", "coordinate_rates",
-})  # fmt: skip
-"""Functions in which no drive has a part, whatever links feel of rotors."""
-
-DIVIDE_BY_INERTIA = frozenset(name for name in JOINT_QUANTITIES if "forward_dynamics" in name)
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
@@ -176,13 +162,13 @@ class RobotKernels:
         found = self.functions.get(key)
         if found is None:
             name = name_of(key)
-            if name in DIVIDE_BY_INERTIA:
+            if TRAITS[name].divides:
                 check_moves_inertia(self._mechanism, self.machine)
             found = self._made(key, definition, inputs.split(), reads_drives, record)
             if self.quaternions:
                 nq = self.machine.system.nq
                 found = with_quaternions(found, name, inputs.split(), self.quaternions, nq, self._backend)
-            if name in MATRICES and not self.machine.system.nv:
+            if TRAITS[name].is_matrix and not self.machine.system.nv:
                 found = with_empty_matrices(found)
             self.functions[key] = found
         return found
@@ -250,9 +236,9 @@ class RobotKernels:
     ) -> RobotFunction:
         """Compiles, with the drives' parameters as an input if the definition reads drives or links feel a rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
-        counts = reads_drives or (self._rotors_are_felt and name not in GEOMETRIC)
+        counts = reads_drives or (self._rotors_are_felt and not TRAITS[name].of_places)
         parametric = bool(self.parameters.size) and counts
-        lean = name in JOINT_QUANTITIES
+        lean = TRAITS[name].of_joints
 
         def traced(**given: Any) -> Any:
             if parametric:

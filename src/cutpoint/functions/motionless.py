@@ -5,13 +5,6 @@ from typing import Any
 
 Function = Callable[..., Any]
 
-MATRICES = frozenset({
-    "mass_matrix", "coriolis_matrix", "regressor", "velocity_map", "drive_regressor",
-    "inverse_dynamics_derivatives", "forward_dynamics_derivatives", "elastic_inverse_dynamics_derivatives",
-    "elastic_forward_dynamics_derivatives",
-})  # fmt: skip
-"""Functions whose outputs are matrices with no row if nothing moves."""
-
 
 def with_empty_matrices(function: Function) -> Function:
     """The function of a robot without moving joints, whose kernel loses the columns of matrices without rows."""
