@@ -19,7 +19,7 @@ from cutpoint.simulation.steps.spring_slopes import stiffest
 
 Array = NDArray[np.float64]
 
-STOPPED, PULLED, TIED = 30.0, 0.25, 3.0
+STOPPED, PULLED, TIED = 16.0, 0.2, 3.0
 """Steps times rates of friction at rest, and of a spring's damping, up to either of which what must stop does stop; and
 how much of damping is taken off friction there, since it ties what slides to its other side."""
 
