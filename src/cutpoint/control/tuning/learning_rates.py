@@ -21,7 +21,7 @@ from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes, pseudo_inert
 from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -83,7 +83,7 @@ def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
     """The fastest motion that drives and robot allow."""
     sliding, frequency = robot.mechanism.sliding, omega / (2.0 * np.pi * PERIODS)
     size = np.where([name in sliding for name in robot.drives], STROKE, SWING)
-    fastest = np.array([limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()])
+    fastest = np.array([limits.velocity for limits in robot.limits.values()])
     strongest = efforts_in_force(robot.mechanism, robot.drives) / inertia
     speed, acceleration = 2.0 * size * frequency, 2.0 * np.pi * size * frequency**2
     return Motion(np.minimum(speed, fastest), np.minimum(acceleration, strongest))
@@ -102,8 +102,8 @@ def _regressors(robot: Robot, q: Array, motion: Motion) -> Array:
 
 def _turned(robot: Robot, q: Array) -> Array:
     """(m, nq): each joint a quarter turn away to either side, within its limits, for gravity may be least at q."""
-    limits, found = limits_in_force(robot.mechanism, robot.drives), list[Array]()
-    for driven, (name, own) in zip(robot.machine.drives, limits.items(), strict=True):
+    found = list[Array]()
+    for driven, (name, own) in zip(robot.machine.drives, robot.limits.items(), strict=True):
         for turn in () if name in robot.mechanism.sliding else (-0.5 * np.pi, 0.5 * np.pi):
             pose = np.array(q, float)
             pose[driven.q] = min(max(pose[driven.q] + turn, own.lower), own.upper)

@@ -20,7 +20,6 @@ from cutpoint.control.laws.vdc import VDC
 from cutpoint.control.tuning.design import Design
 from cutpoint.control.tuning.learning_rates import STROKE, SWING, body_rate, joint_rate
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import limits_in_force
 
 Array = NDArray[np.float64]
 
@@ -97,7 +96,7 @@ def _missed(w: Design) -> Array:
     weight: Array = np.zeros(len(w.inertia))
     for kind in (slides, ~slides):
         weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.inertia[kind] / w.inertia[kind].max(initial=1e-12)
-    fastest = [limits.velocity for limits in limits_in_force(w.robot.mechanism, w.robot.drives).values()]
+    fastest = [limits.velocity for limits in w.robot.limits.values()]
     speeds = np.minimum(w.omega * np.where(slides, STROKE, SWING), fastest)
     friction = [_friction(drive, v) for drive, v in zip(w.robot.drives.values(), speeds, strict=True)]
     return 0.1 * weight + 0.5 * np.array(friction) + 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 
 LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
@@ -26,7 +26,7 @@ def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _stated(robot: Robot) -> dict[str, list[float]]:
-    limits = limits_in_force(robot.mechanism, robot.drives).values()
+    limits = robot.limits.values()
     return {
         "torque_limit": [*efforts_in_force(robot.mechanism, robot.drives)],
         "speed_limit": [each.velocity for each in limits],

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import positive, refused
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force, limits_in_force
+from cutpoint.model.limits import efforts_in_force
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
 
@@ -49,7 +49,7 @@ def bounds_of(
     low, high = _positions(robot, position)
     spared = (1.0 - _share(travel)) * (high - low) / 2.0
     low, high = low + spared, high - spared
-    speeds = [limits.velocity for limits in limits_in_force(robot.mechanism, robot.drives).values()]
+    speeds = [limits.velocity for limits in robot.limits.values()]
     bounds = Bounds(
         low,
         high,
@@ -75,11 +75,10 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
         first, last = (-np.inf, np.inf) if position is None else position
     except (TypeError, ValueError):
         raise refused("excitation", "position", position, "(low, high), each a number or one per joint") from None
-    joints, drives = joints_of(robot), [*robot.drives.values()]
-    free = np.array([FREE_SLIDE if joint.kind == "prismatic" else FREE_TURN for joint in joints])
-    lows = [_each(robot, "position", first), [x.limits.lower for x in joints], [x.limits.lower for x in drives]]
-    highs = [_each(robot, "position", last), [x.limits.upper for x in joints], [x.limits.upper for x in drives]]
-    low, high = np.max(lows, axis=0), np.min(highs, axis=0)
+    free = np.array([FREE_SLIDE if joint.kind == "prismatic" else FREE_TURN for joint in joints_of(robot)])
+    stated = robot.limits.values()
+    low = np.maximum(_each(robot, "position", first), [each.lower for each in stated])
+    high = np.minimum(_each(robot, "position", last), [each.upper for each in stated])
     # a joint without limits is kept about zero, one with a single limit within the same distance of that
     low, high = (
         np.where(np.isfinite(low), low, np.where(np.isfinite(high), high - 2.0 * free, -free)),

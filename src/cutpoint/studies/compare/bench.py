@@ -8,7 +8,6 @@ import numpy as np
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
-from cutpoint.model.limits import limits_in_force
 from cutpoint.model.tool import tool_frame_of
 from cutpoint.robot import Robot
 from cutpoint.robots import xia2019
@@ -100,9 +99,8 @@ def _check(robot: Robot) -> None:
 
 
 def _ends(robot: Robot) -> tuple[Array, Array]:
-    limits = limits_in_force(robot.mechanism, robot.drives).values()
     # its workspace is unknown: a joint without one of its limits moves about 0, if the other allows that
-    home, half = np.array([travel_of(each, np.zeros(1)) for each in limits]).T
+    home, half = np.array([travel_of(each, np.zeros(1)) for each in robot.limits.values()]).T
     return home, home + np.minimum(STROKE, SHARE * 2 * half) * (-1.0) ** np.arange(len(home))
 
 
@@ -129,5 +127,5 @@ def _needed(robot: Robot, home: Array, goal: Array) -> Any:
     """Torque that each joint may need, N m."""
     move = cycloid(goal, FAST, home)(np.linspace(0, FAST, 101))
     torque = np.abs(robot.inverse_dynamics(move.q, move.v, move.a)).max(axis=0)
-    effort = np.array([limits.effort for limits in limits_in_force(robot.mechanism, robot.drives).values()])
+    effort = np.array([limits.effort for limits in robot.limits.values()])
     return np.where(np.isfinite(effort), effort, torque)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cutpoint.model import Drive
-from cutpoint.model.limits import limits_in_force
 from cutpoint.robot import Robot
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.demand import Demand, demand_of
@@ -56,7 +55,7 @@ class DriveSizing:
 
 def drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
     """The k-th drive, of a joint.  life: h, as `sizing` is asked for."""
-    drive, limits = robot.drives[joint], limits_in_force(robot.mechanism, robot.drives)[joint]
+    drive, limits = robot.drives[joint], robot.limits[joint]
     slides = joint in robot.mechanism.sliding
     travel = travel_of(limits, load.position[:, k])
     demand = demand_of(load, k, travel[0])
