@@ -1,7 +1,5 @@
 """The numbers of tables as JSON: SI units, null for what is infinite, nothing for what a drive does not state."""
 
-import json
-from dataclasses import is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +11,7 @@ from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Body
+from cutpoint.reporting.numbers import json_bytes, json_values
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
@@ -26,9 +25,8 @@ LAWS = ("compliance", "link_friction", "motor_friction", "hysteresis", "kinemati
 
 def save_sheet(sheet: dict[str, Any], path: Path) -> None:
     """Writes the sheet, whole or not at all."""
-    text = json.dumps(_plain(sheet), indent=1, ensure_ascii=False, allow_nan=False)
     with replacing(path) as file:
-        file.write(text.encode())
+        file.write(json_bytes(sheet))
     say_path("numbers saved", path)
 
 
@@ -86,16 +84,4 @@ def _body(robot: Robot, body: Body) -> dict[str, Any]:
 
 def _drive(drive: Drive) -> dict[str, Any]:
     laws = {part: type(getattr(drive, part)).__name__ for part in LAWS if getattr(drive, part) is not None}
-    return {**_plain(drive), "reflected_inertia": drive.reflected_inertia, "laws": laws}
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(name): _plain(each) for name, each in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(each) for each in value]
-    if is_dataclass(value):
-        return {name: _plain(each) for name, each in vars(value).items() if each is not None}
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not np.isfinite(value) else value
+    return {**json_values(drive), "reflected_inertia": drive.reflected_inertia, "laws": laws}

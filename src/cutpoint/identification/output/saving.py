@@ -1,11 +1,8 @@
 """Files of an identification: the robot, its drives, all numbers, the report."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
@@ -18,6 +15,7 @@ from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
+from cutpoint.reporting.numbers import json_bytes
 from cutpoint.robot import Robot
 from cutpoint.version import __version__
 
@@ -44,8 +42,7 @@ def save(found: Identification, folder: Path, force: bool) -> list[Path]:
     """All files are made before the first is written, so that a folder has files of one run."""
     check_folder(folder, force)
     files, notes = _model_files(found)
-    sheet = json.dumps(_sheet(found, notes), indent=1, ensure_ascii=False, allow_nan=False)
-    files |= {"parameters.json": sheet.encode(), "report.html": report(found, notes).encode()}
+    files |= {"parameters.json": json_bytes(_sheet(found, notes)), "report.html": report(found, notes).encode()}
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         with replacing(folder / name) as file:
@@ -87,10 +84,9 @@ def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
         text, moved = updated_urdf(content, found.before.mechanism, found.robot.mechanism, str(source))
         notes = [f"robot.urdf: {words}" for words in moved]
         return {"robot.urdf": text}, [*notes, *(["robot.urdf is the expanded xacro file"] * is_xacro)]
-    text = json.dumps(bodies_of(found.robot), indent=1, ensure_ascii=False, allow_nan=False).encode()
     what = "an MJCF file" if source else "a robot in memory"
     note = f"the robot is {what}, which is not rewritten: copy the numbers of robot.inertias.json into it by hand"
-    return {"robot.inertias.json": text}, [note]
+    return {"robot.inertias.json": json_bytes(bodies_of(found.robot))}, [note]
 
 
 def bodies_of(robot: Robot) -> dict[str, Any]:
@@ -102,7 +98,7 @@ def bodies_of(robot: Robot) -> dict[str, Any]:
 
 
 def _sheet(found: Identification, notes: list[str]) -> Mapping[str, Any]:
-    errors, joints = found.errors, found.robot.joints
+    errors = found.errors
     rms = {
         "measured": errors.size(),
         "before": errors.rms("before"),
@@ -111,26 +107,19 @@ def _sheet(found: Identification, notes: list[str]) -> Mapping[str, Any]:
         "before_held_out": errors.rms("before", True),
         "plain_held_out": errors.rms("plain", True),
     }
-    ratios = [{name: _finite(x) for name, x in ratio._asdict().items()} for ratio in errors.to_plain()]
     return {
         "cutpoint": __version__,
         "robot": found.robot.name,
-        "joints": list(joints),
+        "joints": found.robot.joints,
         "torque_units": [*at_joints(found.robot, "N m").values()],
-        "torque_RMS": {name: [_finite(x) for x in values] for name, values in rms.items()},
-        "held_out_over_plain": ratios,
+        "torque_RMS": rms,
+        "held_out_over_plain": [ratio._asdict() for ratio in errors.to_plain()],
         "numbers": [_number(number) for number in found.numbers],
         "bodies": bodies_of(found.robot),
-        "untold": list(found.untold),
+        "untold": found.untold,
         "notes": [*found.notes, *notes],
     }
 
 
 def _number(number: Number) -> dict[str, Any]:
-    fields = {name: value for name, value in vars(number).items() if name not in ("path", "scale")}
-    return {name: _finite(value) if isinstance(value, float) else value for name, value in fields.items()}
-
-
-def _finite(value: Any) -> float | None:
-    """JSON has no NaN and no infinity."""
-    return float(value) if np.isfinite(value) else None
+    return {name: value for name, value in vars(number).items() if name not in ("path", "scale")}

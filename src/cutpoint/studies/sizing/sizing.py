@@ -1,6 +1,5 @@
 """`sizing`: every drive of a robot against a motion that it repeats."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -15,6 +14,7 @@ from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.model.limits import check_configuration
+from cutpoint.reporting.numbers import json_bytes, json_values
 from cutpoint.robot import Robot
 from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
@@ -63,18 +63,18 @@ class Sizing:
 
     def save(self, path: str | Path) -> None:
         """Write `results` to a JSON file, whole or not at all."""
-        text = json.dumps(self.results(), indent=1, ensure_ascii=False, allow_nan=False)
         with replacing(path_of("save", path)) as file:
-            file.write(text.encode())
+            file.write(json_bytes(self.results()))
 
     def results(self) -> dict[str, Any]:
         """All of it but the samples, for a JSON file: SI units, null for infinite and for what is not known."""
-        return {
+        results = {
             "robot": self.robot,
             "cycle": {"duration": self.duration, "dwell": self.dwell, "samples": len(self.load.time)},
             "holds": self.holds,
-            "drives": {joint: _plain(found) for joint, found in self.drives.items()},
+            "drives": {joint: _drive_results(found) for joint, found in self.drives.items()},
         }
+        return json_values(results)
 
 
 def sizing(
@@ -122,21 +122,12 @@ def _check(robot: Robot, trajectory: Moves, dwell: float, period: float, life: f
         positive("sizing", "life", life, "h")
 
 
-def _plain(found: DriveSizing) -> dict[str, Any]:
+def _drive_results(found: DriveSizing) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
-        "life_h": _finite(found.life),
-        "permitted_peaks": _finite(found.permitted_peaks),
-        "margins": [_plain_margin(margin) for margin in found.margins],
-        "missing": list(found.missing),
+        "life_h": found.life,
+        "permitted_peaks": found.permitted_peaks,
+        "margins": [{**asdict(m), "margin": m.value, "holds": m.holds} for m in found.margins],
+        "missing": found.missing,
         "demand": asdict(found.demand),
     }
-
-
-def _plain_margin(margin: Margin) -> dict[str, Any]:
-    told = {key: _finite(x) for key, x in asdict(margin).items()}
-    return {**told, "margin": _finite(margin.value), "holds": margin.holds}
-
-
-def _finite(x: Any) -> Any:
-    return None if isinstance(x, float) and not np.isfinite(x) else x
