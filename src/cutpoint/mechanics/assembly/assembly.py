@@ -9,16 +9,16 @@ from functools import lru_cache
 
 import numpy as np
 
+from cutpoint.mechanics.assembly.exact import mat3, number, pose_of, vec3
 from cutpoint.mechanics.assembly.placements import inverse, joined
-from cutpoint.mechanics.assembly.reframing import Framing, RevoluteFrom, fallen, framing_of
+from cutpoint.mechanics.assembly.reframing import Framing, RevoluteFrom, framing_of
 from cutpoint.mechanics.assembly.units import in_unit_of_length
 from cutpoint.mechanics.bodies.joints import Floating, Helical, JointMotion, Planar, Prismatic, Revolute, Spherical
 from cutpoint.mechanics.bodies.rotors import Spin, axis_of, standing_still
-from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.spatial import Inertia, Pose
 from cutpoint.mechanics.system import Follower, Place, Segment, System
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD, Array, Body, Joint, Mechanism
-from cutpoint.scalars import Scalar
 
 MOTIONS: dict[str, JointMotion] = {
     "revolute": Revolute(), "continuous": Revolute(), "prismatic": Prismatic(), "planar": Planar(),
@@ -44,13 +44,10 @@ def system_of(
         zero = number(given.zeros[i])
         follower = Follower(number(mimic.multiplier), number(mimic.offset + zero)) if mimic else None
         kind = RevoluteFrom(zero) if zero and not mimic else _motion_of(body.joint)
-        inertia = _inertia_of(body, turns[i]) if framing is None else _inertia_from(framing.inertias[i])
-        axes = mat3(given.frames[i][:3, :3])
-        placement = pose_of(given.placements[i])
+        placement, inertia, axes = pose_of(given.placements[i]), given.inertias[i], mat3(given.frames[i][:3, :3])
         segments[body.joint.name] = Segment(body.name, body.parent, placement, kind, inertia, q, v, axes, follower)
     frames = {f.name: Place(f.body, pose_of(_seen(given, f.body, f.placement))) for f in mechanism.frames.values()}
-    gravity = vec3(fallen(given.world, mechanism.gravity) if framing else mechanism.gravity)
-    system = System(tuple(segments.values()), gravity, frames, nq, nv, (0,) * nv)
+    system = System(tuple(segments.values()), vec3(given.gravity), frames, nq, nv, (0,) * nv)
     turning = {name for name, drive in (drives or {}).items() if drive.rotor}
     seats = {
         body.joint.name: pose_of(_seen(given, body.parent, body.placement @ turn))
@@ -68,10 +65,11 @@ def lean_framing(mechanism: Mechanism) -> Framing:
 
 def _as_given(mechanism: Mechanism, turns: list[Array]) -> Framing:
     """Frames where the bodies have theirs, with z along the joints."""
-    given = Framing(np.eye(4), turns, [], [0.0] * len(turns), [])
-    for body, turn in zip(mechanism.bodies, turns, strict=True):
-        given.placements.append(_seen(given, body.parent, body.placement @ turn))
-    return given
+    turned = [*zip(mechanism.bodies, turns, strict=True)]
+    carriers = [np.eye(4) if body.parent == WORLD else turns[body.parent] for body in mechanism.bodies]
+    placements = [joined(inverse(T), body.placement @ turn) for T, (body, turn) in zip(carriers, turned, strict=True)]
+    inertias = [_inertia_of(body, turn) for body, turn in turned]
+    return Framing(np.eye(4), turns, placements, [0.0] * len(turns), inertias, mechanism.gravity)
 
 
 def _coordinates(mechanism: Mechanism) -> tuple[dict[str, tuple[slice, slice]], int, int]:
@@ -146,32 +144,3 @@ def _inertia_of(body: Body, turn: Array) -> Inertia:
     com = R.T @ body.com
     tensor = R.T @ body.inertia @ R + body.mass * (com @ com * np.eye(3) - np.outer(com, com))
     return Inertia(number(body.mass), vec3(body.mass * com), mat3((tensor + tensor.T) / 2))
-
-
-def _inertia_from(P: Array) -> Inertia:
-    """From the pseudo-inertia."""
-    S, h, m = P[:3, :3], P[:3, 3], P[3, 3]
-    x, y, z = np.diag(S)  # summed so that a second moment of 0 stays exactly 0
-    return Inertia(number(m), vec3(h), mat3(np.diag([y + z, z + x, x + y]) - S + np.diag([x, y, z])))
-
-
-def number(x: float) -> Scalar:
-    """A float, or a whole number where it is 0, 1 or -1, so that it vanishes when traced and stays exact."""
-    return int(x) if x in (-1.0, 0.0, 1.0) else float(x)
-
-
-def vec3(v: Array) -> Vec3:
-    return _vec3(v.tolist())
-
-
-def mat3(A: Array) -> Mat3:
-    return Mat3(*map(_vec3, A.tolist()))
-
-
-def pose_of(matrix: Array) -> Pose:
-    """A (4, 4) pose as scalars."""
-    return Pose(mat3(matrix[:3, :3]), vec3(matrix[:3, 3]))
-
-
-def _vec3(v: list[float]) -> Vec3:
-    return Vec3(*map(number, v))

@@ -13,6 +13,7 @@ from math import atan2, hypot
 
 import numpy as np
 
+from cutpoint.mechanics.assembly.exact import inertia_from
 from cutpoint.mechanics.assembly.operation_costs import (
     TURNING,
     cheapest_zero,
@@ -27,7 +28,7 @@ from cutpoint.mechanics.assembly.regrouping import extent, regrouped, transforme
 from cutpoint.mechanics.assembly.units import unit_of_length
 from cutpoint.mechanics.bodies.joints import Revolute
 from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia_of_body
-from cutpoint.mechanics.bodies.spatial import Pose
+from cutpoint.mechanics.bodies.spatial import Inertia, Pose
 from cutpoint.model.mechanism import WORLD, Array, Body
 from cutpoint.scalars import Scalar
 
@@ -44,15 +45,16 @@ class Framing:
     """A frame for each body, and the equations' data in it.
 
     world (4, 4): a turn of the world's frame.  frames (4, 4): in the bodies' own frames.  placements (4, 4): in their
-    carriers'.  zeros: rad, to be added to coordinates.  inertias (4, 4): pseudo-inertias, regrouped.  length: the best
-    unit of length for the equations, m; everything here is in m and kg.
+    carriers'.  zeros: rad, to be added to coordinates.  inertias: about the frames.  gravity (3,): along the world
+    frame's axes.  length: the best unit of length for the equations, m; everything here is in m and kg.
     """
 
     world: Array
     frames: list[Array]
     placements: list[Array]
     zeros: list[float]
-    inertias: list[Array]
+    inertias: list[Inertia]
+    gravity: Array
     length: float = 1.0
 
 
@@ -78,11 +80,13 @@ def framing_of(bodies: Sequence[Body], turns: Sequence[Array], gravity: Array) -
     placements, zeros = zip(*(tree.placed(i) for i in range(len(bodies))), strict=True) if bodies else ((), ())
     own = [transformed(inverse(move), P) for move, P in zip(tree.moves, tree.own, strict=True)]
     frames = [turn @ move for turn, move in zip(turns, tree.moves, strict=True)]
+    inertias = [inertia_from(P) for P in regrouped(bodies, own, placements)]
     length = unit_of_length(bodies, placements)
-    return Framing(tree.world, frames, [*placements], [*zeros], regrouped(bodies, own, placements), length)
+    fallen = _fallen(tree.world, gravity)
+    return Framing(tree.world, frames, [*placements], [*zeros], inertias, fallen, length)
 
 
-def fallen(world: Array, gravity: Array) -> Array:
+def _fallen(world: Array, gravity: Array) -> Array:
     """Gravity (3,) along the axes of a turned world."""
     g = world[:3, :3].T @ gravity
     return np.where(np.abs(g) <= NEGLIGIBLE * np.linalg.norm(g), 0.0, g)
@@ -191,7 +195,7 @@ def _turn_of_world(tree: _Tree, gravity: Array) -> Array:
         tree.world = world
         found = [tree.placed(i) for i in roots]
         turned = sum(rotation_cost(T, True) + (zero != 0.0) for T, zero in found)
-        costs.append(turned + 10.0 * np.count_nonzero(fallen(tree.world, gravity)))
+        costs.append(turned + 10.0 * np.count_nonzero(_fallen(tree.world, gravity)))
     return candidates[int(np.argmin(costs))]
 
 
