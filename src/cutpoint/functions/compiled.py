@@ -20,7 +20,7 @@ from cutpoint.functions.motionless import with_empty_matrices
 from cutpoint.functions.plain import Functions
 from cutpoint.functions.quaternions import quaternions_of, with_quaternions
 from cutpoint.functions.robot_function import RobotFunction
-from cutpoint.functions.traits import TRAITS
+from cutpoint.functions.traits import traits_of
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
 from cutpoint.mechanics.assembly.reframing import Framing
@@ -162,13 +162,13 @@ class RobotKernels:
         found = self.functions.get(key)
         if found is None:
             name = name_of(key)
-            if TRAITS[name].divides:
+            if traits_of(name).divides:
                 check_moves_inertia(self._mechanism, self.machine)
             found = self._made(key, definition, inputs.split(), reads_drives, record)
             if self.quaternions:
                 nq = self.machine.system.nq
                 found = with_quaternions(found, name, inputs.split(), self.quaternions, nq, self._backend)
-            if TRAITS[name].is_matrix and not self.machine.system.nv:
+            if traits_of(name).is_matrix and not self.machine.system.nv:
                 found = with_empty_matrices(found)
             self.functions[key] = found
         return found
@@ -236,9 +236,9 @@ class RobotKernels:
     ) -> RobotFunction:
         """Compiles, with the drives' parameters as an input if the definition reads drives or links feel a rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
-        counts = reads_drives or (self._rotors_are_felt and not TRAITS[name].of_places)
+        counts = reads_drives or (self._rotors_are_felt and not traits_of(name).of_places)
         parametric = bool(self.parameters.size) and counts
-        lean = TRAITS[name].of_joints
+        lean = traits_of(name).of_joints
 
         def traced(**given: Any) -> Any:
             if parametric:

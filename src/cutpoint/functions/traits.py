@@ -52,3 +52,8 @@ TRAITS: Mapping[str, Traits] = MappingProxyType({
     "elastic_inverse_dynamics_derivatives": Traits(of_joints=True, is_matrix=True),
     "elastic_forward_dynamics_derivatives": Traits(of_joints=True, divides=True, is_matrix=True),
 })  # fmt: skip
+
+
+def traits_of(name: str) -> Traits:
+    """Those of a function by name; of one that is not exported, none."""
+    return TRAITS.get(name, Traits())
