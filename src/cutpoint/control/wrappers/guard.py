@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import partial, reduce
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,14 +17,21 @@ from cutpoint.kernels import Traced
 from cutpoint.robot import Robot, check_robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
 
-Reaction = Literal["hold", "ramp", "stop"]
 SEVERITY = {"hold": 1, "ramp": 2, "stop": 3}
+"""Of the reactions to a fault: see `Guard`."""
+
 BEYOND_MEASURE = 1e12
 """A number beyond this counts as not finite."""
 
 
 class Fault(IntEnum):
-    """The first fault found; the log's channel `fault` holds its number."""
+    """The first fault found; the log's channel `fault` holds its number.
+
+    MEASUREMENT: a number that the law needs is not finite; the law then reads the last that was.  STALE: the time stamp
+    stands still.  DEADLINE: a measurement comes half a period late or later.  SPEED: a joint's limit is passed by
+    either encoder.  POSITION: it is by the link's or, where that says nothing, by the motor's.  COMMAND: what the law
+    commands is not finite.
+    """
 
     NONE = 0
     MEASUREMENT = 1
@@ -35,13 +42,10 @@ class Fault(IntEnum):
     COMMAND = 6
 
 
-REACTIONS: dict[str, Reaction] = {
+REACTIONS = {
     "measurement": "hold", "stale": "hold", "deadline": "ramp", "speed": "ramp", "position": "ramp", "command": "ramp",
 }  # fmt: skip
-"""measurement: one that the law needs is not finite; the law is then told the last that was.  stale: its time stamp
-stands still.  deadline: it comes half a period late or later.  speed: a joint's limit is passed by either encoder.
-position: it is by the link's or, where that says nothing, by the motor's.  command: what the law commands is not
-finite."""
+"""To faults by name, unless a guard is given others."""
 
 
 class Watch(NamedTuple):
@@ -65,7 +69,8 @@ class Guard(Wrapper):
 
     "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  None of
     them brakes, and a ramp keeps pushing in the direction of the last torque: choose "stop" where that torque caused an
-    overspeed.  A later fault can only make the reaction more severe.  `reactions` overrides entries of REACTIONS.
+    overspeed.  A later fault can only make the reaction more severe.  "measurement" and "stale" are held and the other
+    faults ramp, unless `reactions` has another entry.
     Torques are clipped to torque_limit, which is no fault.  Limits default to those of the robot's joints and drives;
     given ones are one per drive or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
     A law that stops learning at a torque limit does not know a guard's own: state it there too.  What is added outside
