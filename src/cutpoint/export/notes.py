@@ -1,7 +1,6 @@
 """Notes on arguments for an exported function's header: units, the order of joints, the drives' numbers."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values
 from cutpoint.robot import Robot
+from cutpoint.scalars import leaves, named_parts
 from cutpoint.simulation.control_kernel import ControlStep
 
 _POSITIONS = ("theta", "deflection", "motor_reference")
@@ -133,18 +133,12 @@ def labels_of(record: Any, path: str = "") -> Iterator[str]:
     """A label for each of `scalars.leaves` of a record: the path to it."""
     if isinstance(record, np.ndarray):
         yield from (f"{path}[{k}]" for k in range(record.size))
-    elif isinstance(record, Mapping):
-        for key in sorted(record, key=repr):
-            yield from labels_of(record[key], f"{path} {key}".strip())
-    elif isinstance(record, (list, tuple)):
-        names = getattr(record, "_fields", None) or [f"[{k}]" for k in range(len(record))]
-        for name, part in zip(names, record, strict=True):
+        return
+    parts = named_parts(record)
+    if not parts:
+        yield from [path for _ in leaves(record)]
+    for name, part in parts:
+        if name == "parameters" and isinstance(record, ModelLaw):
+            yield from (f"{path} {label}" for label in drive_labels(record.robot))
+        else:
             yield from labels_of(part, f"{path}{name}" if name.startswith("[") else f"{path} {name}".strip())
-    elif is_dataclass(record) and not isinstance(record, type):
-        for f in fields(record):
-            if f.init and f.name == "parameters" and isinstance(record, ModelLaw):
-                yield from (f"{path} {label}" for label in drive_labels(record.robot))
-            elif f.init:
-                yield from labels_of(getattr(record, f.name), f"{path} {f.name}".strip())
-    elif hasattr(type(record), "__neg__") and not isinstance(record, (bool, np.bool_, int, np.integer)):
-        yield path

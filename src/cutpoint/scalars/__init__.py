@@ -29,6 +29,7 @@ from cutpoint.scalars.records import (
     keys_of,
     leaves,
     map_leaves,
+    named_parts,
     rebuild,
     structure_of,
     with_float_leaves,
@@ -37,5 +38,6 @@ from cutpoint.scalars.records import (
 __all__ = [
     "Angle", "Jet", "Scalar", "absolute", "acos", "asin", "atan", "atan2", "clip", "constants", "cos", "exp",
     "is_of_cutpoint", "is_plain_zero", "keys_of", "known_truth", "leaves", "log", "map_leaves", "maximum", "minimum",
-    "rate_of", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "value_of", "where", "with_float_leaves",
+    "named_parts", "rate_of", "rebuild", "sin", "sqrt", "structure_of", "tan", "tanh", "value_of", "where",
+    "with_float_leaves",
 ]  # fmt: skip

@@ -30,6 +30,20 @@ def leaves(record: Any) -> list[Any]:
     return [x for part in parts for x in leaves(part)]
 
 
+def named_parts(record: Any) -> list[tuple[str, Any]]:
+    """The items of a nest, in order, with their fields, keys, or indices in brackets; none for anything else."""
+    parts = _parts(record)
+    if not parts:
+        return []
+    if isinstance(record, dict):
+        names = map(str, _keys(record))
+    elif isinstance(record, (list, tuple)):
+        names = getattr(record, "_fields", None) or [f"[{k}]" for k in range(len(record))]
+    else:
+        names = _fields(type(record))
+    return [*zip(names, parts, strict=True)]
+
+
 def rebuild(record: Any, numbers: Iterator[Any]) -> Any:
     """A record of the same structure with these numbers."""
     return map_leaves(lambda _: next(numbers), record)
