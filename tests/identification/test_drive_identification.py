@@ -225,8 +225,8 @@ def test_sentences_on_a_joint_that_slides_have_its_units():
     along = [replace(body, joint=replace(body.joint, kind="prismatic")) for body in robot.mechanism.bodies]
     sliding = cutpoint.Robot(replace(robot.mechanism, bodies=tuple(along)))
     why = "0.1 +- 0.2 N m s/rad, 3 N m, 2e-05 rad each and 1 kg m2 at the joint cannot be told"
-    joint = SimpleNamespace(unidentifiable={"damping": why}, remarks=(why,), clocks="")
+    joint = SimpleNamespace(unidentifiable={"damping": why}, notes=(why,), clocks="")
     slides, turns = (DriveEstimates(each, {"joint1": joint}) for each in (sliding, robot))  # type: ignore[dict-item]
-    assert slides.remarks == ("joint1: 0.1 +- 0.2 N s/m, 3 N, 2e-05 m each and 1 kg at the joint cannot be told",)
-    assert slides.notes[0].endswith(slides.remarks[0].removeprefix("joint1: "))
-    assert turns.remarks == (f"joint1: {why}",)
+    assert slides.notes == ("joint1: 0.1 +- 0.2 N s/m, 3 N, 2e-05 m each and 1 kg at the joint cannot be told",)
+    assert slides.untold[0].endswith(slides.notes[0].removeprefix("joint1: "))
+    assert turns.notes == (f"joint1: {why}",)

@@ -64,8 +64,8 @@ def test_springs_and_friction_are_found_whatever_side_was_stated(side: str, stat
     assert own.coulomb == pytest.approx(FRICTION.coulomb, rel=0.03)
     assert own.viscous == pytest.approx(FRICTION.viscous, rel=0.05)
     assert side == stated or others is None
-    assert [words for words in found.remarks if f"friction: {{{side}: ...}}" in words] == [*found.remarks]
-    assert bool(found.remarks) == (side != stated)
+    assert [words for words in found.notes if f"friction: {{{side}: ...}}" in words] == [*found.notes]
+    assert bool(found.notes) == (side != stated)
 
 
 def test_springs_are_told_beside_friction_that_falls_with_speed_and_grows_with_load():
@@ -103,14 +103,14 @@ def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, ot
     assert {"rotor inertia", "damping", "stiffness", "kinematic_error"} <= joint.unidentifiable.keys()
     assert joint.drive.motor_friction == FRICTION
     told = r"the encoders' clocks differ at axle, .*: no drive's numbers can be relied on; .*--align"
-    assert re.match(told, found.remarks[0])
+    assert re.match(told, found.notes[0])
     assert joint.spring["stiffness"] == pytest.approx(STIFFNESS, rel=0.01)
 
 
 def test_lateness_that_friction_hides_is_named_beside_it():
     """A link's encoder that is 0.5 ms late moves 1.5 N m s/rad from the motor to the link: both could be."""
     found = identified(with_friction(TRUE, "motor"), late={"q": 0.5e-3})
-    (words,) = found.remarks
+    (words,) = found.notes
     late = re.fullmatch(
         r"axle: viscous friction of [\d.]+ N m s/rad is the link's, or its encoder is late by (.*) ms", words
     )

@@ -24,7 +24,7 @@ AT_REST = 0.02
 """Speed over which dry friction is taken to change sign, as a share of the RMS speed."""
 
 
-def gain_remarks(
+def gain_notes(
     robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None, cutoff: float | None = None
 ) -> tuple[str, ...]:
     """A sentence for each joint whose encoders differ in how far it moves, if there are two.

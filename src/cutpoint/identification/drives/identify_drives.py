@@ -38,7 +38,7 @@ class DriveEstimates:
     failed: Mapping[str, str] = field(default_factory=dict)
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def notes(self) -> tuple[str, ...]:
         """Differences from the robot's files, and what was not identified, one sentence each."""
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
@@ -49,12 +49,12 @@ class DriveEstimates:
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"
             for joint, estimate in self.joints.items()
-            for words in estimate.remarks
+            for words in estimate.notes
         )
         return (*failed, *own)
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def untold(self) -> tuple[str, ...]:
         """What could not be determined, one sentence each."""
         return tuple(
             f"{joint}: {thing} cannot be told: {words_at(self.robot, joint, why)}"

@@ -75,7 +75,7 @@ def _late(viscous: float, spring: SpringEstimate) -> float:
     return 1e3 * viscous / spring["stiffness" if "stiffness" in spring.names else "k2"]
 
 
-def remarks(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, link: LinkFriction) -> tuple[str, ...]:
+def friction_notes(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, link: LinkFriction) -> tuple[str, ...]:
     """On which side the encoders see friction, a sentence each."""
     stated: Literal["motor", "link"] = "motor" if drive.motor_friction and not drive.link_friction else "link"
     on_link, on_motor = (max(x, 0.0) for x in (link.coulomb[0], rotor["coulomb"]))

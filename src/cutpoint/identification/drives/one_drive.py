@@ -11,7 +11,7 @@ from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_tog
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.deflections import TorqueReading
 from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
-from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, link_friction, remarks
+from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, friction_notes, link_friction
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
@@ -55,7 +55,7 @@ class DriveEstimate:
     spring, rotor: estimates with uncertainties.  unidentifiable: what was not determined or not sought, and why.
     apart: whether the spring separated the rotor from the link; otherwise the known link did.
     clocks: evidence that the encoders' clocks differ, if any.
-    remarks: the side of friction, if it differs from the drive's files, one sentence each.
+    notes: the side of friction, if it differs from the drive's files, one sentence each.
     delay: s by which the motor's torque acts later than its time stamp; None if the spring does not determine it.
     period: s between samples.
     """
@@ -66,7 +66,7 @@ class DriveEstimate:
     unidentifiable: Mapping[str, str]
     apart: bool
     clocks: str = ""
-    remarks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     delay: Delay | None = None
     period: float = 0.0
 
@@ -242,7 +242,7 @@ def _estimate(
     """The drive with all that was determined; a drive that stays rigid has no parts that act on a deflection."""
     clocks = clocks_differ(spring, rotor, link)
     why = {**spring.unidentifiable, **rotor.unidentifiable, **(_of_a_deflection(clocks) if clocks else {})}
-    words = remarks(drive, spring, rotor, link) if link and not clocks else ()
+    notes = friction_notes(drive, spring, rotor, link) if link and not clocks else ()
     changes: dict[str, object] = {}
     if rotor.friction is not None and not clocks:
         changes["motor_friction"] = rotor.friction
@@ -260,4 +260,4 @@ def _estimate(
         parts = {name: getattr(spring, name) for name in ("kinematic_error", "damping")}
         parts["hysteresis"] = as_wide(spring.hysteresis, spring.compliance, drive.compliance)
         changes.update({name: part for name, part in parts.items() if part is not None and name not in why})
-    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, clocks, words)  # type: ignore[arg-type]
+    return DriveEstimate(replace(drive, **changes), spring, rotor, why, apart, clocks, notes)  # type: ignore[arg-type]

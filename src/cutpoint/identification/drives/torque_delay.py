@@ -25,7 +25,7 @@ class Delay(NamedTuple):
     deviation: float
 
 
-def delay_remarks(delays: Mapping[str, Delay], supposed: float, damped: Collection[str]) -> tuple[str, ...]:
+def delay_notes(delays: Mapping[str, Delay], supposed: float, damped: Collection[str]) -> tuple[str, ...]:
     """A sentence if torques act later or earlier than supposed, s; by name, for joints whose springs show it.
 
     damped: joints whose damping is determined; without it, damping is no evidence of a delay.

@@ -125,9 +125,9 @@ def _disagreements(recording: Recording) -> Iterator[str]:
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
             travelled = 0.5 * (v[1:] + v[:-1]) * np.diff(time)
             factor = _factor(*_ways(time, travelled, np.diff(x)), time[1:])
-            yield from _remark(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
+            yield from _notes_on_factor(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
-        yield from _remark(f"theta of {joint!r}", "q", _factor(theta, x, time))
+        yield from _notes_on_factor(f"theta of {joint!r}", "q", _factor(theta, x, time))
         lead = _known(theta - x)
         if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
             yield f"theta of {joint!r} leads q by about {np.median(lead):.3g} rad (m) throughout: do their zeros agree?"
@@ -148,7 +148,7 @@ def _factor(found: Array, expected: Array, time: Array) -> float | None:
     return float(np.linalg.lstsq(regressors, found[known])[0][0])
 
 
-def _remark(thing: str, other: str, factor: float | None) -> Iterator[str]:
+def _notes_on_factor(thing: str, other: str, factor: float | None) -> Iterator[str]:
     if factor is None or abs(factor - 1.0) < FITS:
         return
     near = [words for value, words in EXPLANATIONS.items() if abs(factor / value - 1.0) < FITS]

@@ -57,7 +57,7 @@ def ordered(stamps: Array, values: Array, name: str) -> Ordered:
     rows = _sorted(stamps, rows, name, notes)
     rows = _apart(stamps, values, rows, name, notes)
     times = stamps[rows] - stamps[rows[0]]
-    _remark(times, name, notes)
+    _notes_on_gaps(times, name, notes)
     return Ordered(times, float(stamps[rows[0]]), rows, notes)
 
 
@@ -131,7 +131,7 @@ def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
         notes.append(f"{what}: {count} of {among} were left out")
 
 
-def _remark(times: Array, name: str, notes: list[str]) -> None:
+def _notes_on_gaps(times: Array, name: str, notes: list[str]) -> None:
     """Notes on gaps.  Raises InputError for a period that suggests another unit."""
     steps, longest = np.diff(times), longest_step(times)
     period = float(np.median(steps))

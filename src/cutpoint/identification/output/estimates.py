@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
-from cutpoint.identification.drives.encoder_gains import gain_remarks
+from cutpoint.identification.drives.encoder_gains import gain_notes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
-from cutpoint.identification.drives.torque_delay import delay_remarks
+from cutpoint.identification.drives.torque_delay import delay_notes
 from cutpoint.identification.logs.recording import Array, Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
@@ -24,12 +24,12 @@ ZEROS = 2e-3
 
 
 class Estimates(NamedTuple):
-    """drives: None if not sought, or not found, see remarks.  apart: joints whose rotors come from there."""
+    """drives: None if not sought, or not found, see notes.  apart: joints whose rotors come from there."""
 
     rigid: RigidEstimate
     drives: DriveEstimates | None
     apart: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def estimates(
@@ -50,9 +50,9 @@ def estimates(
     """
     say("links, rotors and friction")
     rigid = identify_rigid(before, fitted, friction=friction, **how)
-    gains = gain_remarks(before, fitted, how.get("torque_constants"), how.get("cutoff"))
+    gains = gain_notes(before, fitted, how.get("torque_constants"), how.get("cutoff"))
     if stamped is None:
-        return Estimates(rigid, None, remarks=gains)
+        return Estimates(rigid, None, notes=gains)
     say.expect(1 + len(joints_that_bend(before)))
     stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
@@ -61,20 +61,20 @@ def estimates(
         )
     except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed during the search"
-        return Estimates(rigid, None, remarks=(*gains, f"springs were not identified: {why}"))
+        return Estimates(rigid, None, notes=(*gains, f"springs were not identified: {why}"))
     found = drives.joints.items()
-    remarks = (*gains, *_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.remarks)
+    notes = (*gains, *_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.notes)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
     if not apart and not errors:
-        return Estimates(rigid, drives, (), remarks)
+        return Estimates(rigid, drives, (), notes)
     say("links again, with what the motors tell")
     # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
     again = _with_rotors(before, drives, apart, fitted, **how)
-    return Estimates(again, drives, apart, remarks)
+    return Estimates(again, drives, apart, notes)
 
 
 def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:
@@ -110,7 +110,7 @@ def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
 def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:
     delays = {joint: each.delay for joint, each in drives.joints.items() if each.delay}
     damped = [joint for joint, each in drives.joints.items() if "damping" not in each.unidentifiable]
-    return delay_remarks(delays, supposed, damped)
+    return delay_notes(delays, supposed, damped)
 
 
 def springs_wanted(before: Robot, recording: Recording, springs: bool | None) -> bool:

@@ -191,7 +191,7 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        notes=(*found.remarks, *rigid.notes, *map(str, rigid.friction), *words),
+        notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
     )
 
 
@@ -227,7 +227,7 @@ def _untold(found: Estimates) -> tuple[str, ...]:
     """What the drives' own channels do not determine, except rotors that the torques of all joints determine."""
     rotors = {p.name.removeprefix("I_m.") for p in found.rigid.parameters if p.name.startswith("I_m.") and p.told}
     told = tuple(f"{joint}: rotor inertia " for joint in rotors)
-    return tuple(words for words in found.drives.notes if not words.startswith(told)) if found.drives else ()
+    return tuple(words for words in found.drives.untold if not words.startswith(told)) if found.drives else ()
 
 
 def _suspected(recording: Recording, robot: Robot) -> Recording:

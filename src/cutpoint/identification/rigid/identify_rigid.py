@@ -132,7 +132,7 @@ def identify_rigid(
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
         fitted = _fitted(base, laws, log, _loads(fitted), how)
     result = estimate_of(fitted, level, choices, recording.notes)
-    return _with_remark_on_lags(result) if method == "instrumental" and instruments is None else result
+    return _with_note_on_lags(result) if method == "instrumental" and instruments is None else result
 
 
 class _How(NamedTuple):
@@ -237,8 +237,8 @@ def _shaped(
     return tuple(replace(each, law=shaped[each.joint], unit=units[each.joint]) for each in choices)
 
 
-def _with_remark_on_lags(found: RigidEstimate) -> RigidEstimate:
-    """Adds a remark if lagged instruments are weak."""
+def _with_note_on_lags(found: RigidEstimate) -> RigidEstimate:
+    """Adds a note if lagged instruments are weak."""
     if found.told > LITTLE * len(found.parameters):
         return found
     before = LATER * float(np.median(np.diff(found.times)))
