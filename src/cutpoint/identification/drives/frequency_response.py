@@ -116,8 +116,8 @@ def fit_response(response: MotorResponse, link_inertia: float, low: float = 0.0,
     f = response.frequencies
     used = (f >= low) & (f <= high) & (response.coherence > COHERENT)
     if used.sum() < FEWEST:
-        told = f"{used.sum()} coherent frequencies from {low} Hz to {high} Hz; {FEWEST} are needed"
-        raise InputError(f"fit_response: {told}")
+        found = f"{used.sum()} coherent frequencies from {low} Hz to {high} Hz; {FEWEST} are needed"
+        raise InputError(f"fit_response: {found}")
     f, measured, weight = f[used], response.response[used], 1.0 / np.hypot(response.deviation[used], LEAKAGE)
 
     def error(logarithms: Array, dry: float = 0.0) -> Array:

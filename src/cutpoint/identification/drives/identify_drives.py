@@ -43,9 +43,9 @@ class DriveEstimates:
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
         if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
-            told = f"the encoders' clocks differ at {', '.join(late)}, and so perhaps at the others"
+            words = f"the encoders' clocks differ at {', '.join(late)}, and so perhaps at the others"
             remedy = "identify again with align=True (--align)"
-            return (f"{told}: no drive's numbers can be relied on; {remedy}", *failed)
+            return (f"{words}: no drive's numbers can be relied on; {remedy}", *failed)
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"
             for joint, estimate in self.joints.items()

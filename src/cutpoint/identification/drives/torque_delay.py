@@ -37,14 +37,14 @@ def delay_notes(delays: Mapping[str, Delay], supposed: float, damped: Collection
     each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g} ms" for joint, x in delays.items())
     remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "on time"
     if found - supposed < -surely:
-        told = f"springs show that torques act {_when(found)} than stamped, not {taken} ({each})"
+        words = f"springs show that torques act {_when(found)} than stamped, not {taken} ({each})"
         rule = "until then rotors and dampings come out too small; damping hides part of it: check again"
-        return (f"{told}: align them with {remedy}; {rule}",)
+        return (f"{words}: align them with {remedy}; {rule}",)
     likely = max(surely, float(np.ptp(values)), DAMPED if supposed else 0.0)
     if len(values) > 1 and set(delays) <= set(damped) and found - supposed > likely:
-        told = f"all springs seem damped by {1e3 * (found - supposed):.2g} ms of their stiffness"
+        words = f"all springs seem damped by {1e3 * (found - supposed):.2g} ms of their stiffness"
         alike = "this log does not tell which; held commands act half a period late"
-        return (f"{told}, or torques act {_when(found)} than stamped, not {taken}: {alike}",)
+        return (f"{words}, or torques act {_when(found)} than stamped, not {taken}: {alike}",)
     return ()
 
 

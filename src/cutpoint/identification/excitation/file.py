@@ -68,14 +68,14 @@ def read_start(path: Path, robot: Robot, base_frequency: float, harmonics: int) 
     try:
         sheet = json.loads(path.read_bytes())
         joints, version = sheet["joints"], sheet["cutpoint_excitation"]
-        told = float(sheet["base_frequency_Hz"])
+        frequency = float(sheet["base_frequency_Hz"])
         centre, sine, cosine = (np.array(sheet[key], dtype=np.float64) for key in ("centre", "sine", "cosine"))
     except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
         raise InputError(f"file is not an excitation written by cutpoint: {error!r}", place=path) from error
     fits = {
         "version": (version, VERSION),
         "joints": (joints, list(robot.joints)),
-        FREQUENCY: (told, base_frequency),
+        FREQUENCY: (frequency, base_frequency),
         "shapes of coefficients": (
             [centre.shape, sine.shape, cosine.shape],
             [(robot.nv,), (harmonics, robot.nv), (harmonics, robot.nv)],

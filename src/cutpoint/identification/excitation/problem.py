@@ -28,7 +28,7 @@ class Worst(NamedTuple):
     """The tightest limit of a motion: room left over the limit's scale; in words, the limit and the value reached."""
 
     room: float
-    told: str
+    words: str
 
 
 class Problem:
@@ -124,8 +124,8 @@ class Problem:
         x, unit = limit.values(motion)[:, column], limit.units[column]
         what = f"{'frame' if limit.kind == 'place' else 'joint'} {limit.names[column]!r}: {limit.kind}"
         allowed = f"{limit.low[column]:.4g} to {limit.high[column]:.4g} {unit} is allowed"
-        told = f"{what} runs from {x.min():.4g} to {x.max():.4g} {unit} where {allowed}"
-        return Worst(float(rooms[tightest].min()), told)
+        words = f"{what} runs from {x.min():.4g} to {x.max():.4g} {unit} where {allowed}"
+        return Worst(float(rooms[tightest].min()), words)
 
     def standing(self, centres: Array) -> Array:
         """(m,): the least room at rest at each of m centres (m, n), scaled as z[0]."""

@@ -92,10 +92,10 @@ def search(
 def _nothing(found: Found, seconds: float) -> InputError:
     slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
     if found.worst:
-        told = f"no motion was found within all limits in {seconds:.3g} s; at best, {found.worst.told}"
-        return InputError(f"{told}: allow more there, or {slower}, or {longer}")
-    told = f"no motion within the limits that tells all parameters was found in {seconds:.3g} s"
-    return InputError(f"{told}: allow more travel or speed, or {longer}")
+        words = f"no motion was found within all limits in {seconds:.3g} s; at best, {found.worst.words}"
+        return InputError(f"{words}: allow more there, or {slower}, or {longer}")
+    words = f"no motion within the limits that tells all parameters was found in {seconds:.3g} s"
+    return InputError(f"{words}: allow more travel or speed, or {longer}")
 
 
 def _random(problem: Problem, rng: np.random.Generator) -> Array:

@@ -15,8 +15,8 @@ FILES = ("excitation.csv", "excitation.json", "excitation.png")
 
 def table_of(found: Excitation) -> Table:
     """The motion's use of every limit, and its information about the parameters."""
-    told = f"{found.robot.name}: excitation of {found.trajectory.duration:g} s, {found.trajectory.harmonics} harmonics"
-    table = Table(title=told, title_justify="left")
+    title = f"{found.robot.name}: excitation of {found.trajectory.duration:g} s, {found.trajectory.harmonics} harmonics"
+    table = Table(title=title, title_justify="left")
     for k, column in enumerate(("joint", "quantity", "range used", "limit", "used")):
         table.add_column(column, justify="left" if k < 2 else "right", overflow="fold")
     order = {joint: k for k, joint in enumerate(found.robot.joints)}

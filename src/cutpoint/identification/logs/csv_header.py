@@ -31,7 +31,7 @@ class Header(NamedTuple):
     rest: Iterator[str]
 
     @property
-    def told(self) -> str:
+    def remedy(self) -> str:
         """The end of a message about a line that does not fit the names, which may be something else."""
         names = ", ".join(self.names[:8])[:200]
         return f"line {self.line} was taken as the names: '{names}'; if they stand farther down, remove the lines above"
@@ -46,17 +46,17 @@ def read_header(text: TextIO, file: str) -> Header:
     Raises InputError: a first line without names, a repeated name, a text that is not UTF-8.
     """
     line, first, comment = 1, _line(text, file, 1), ""
-    told = re.fullmatch(r'"?sep=([^\r\n])"?\s*', first)
-    if told:
+    stated = re.fullmatch(r'"?sep=([^\r\n])"?\s*', first)
+    if stated:
         line, first = 2, _line(text, file, 2)
     while first.startswith(COMMENTS) or first.isspace():
         comment = first if first.strip() else comment
         line, first = line + 1, _line(text, file, line + 1)
     if "\0" in first:
         raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
-    delimiter = told[1] if told else delimiter_of(first)
+    delimiter = stated[1] if stated else delimiter_of(first)
     titles, words = _cells(first, delimiter), comment.strip("#%/ \r\n")
-    above = _cells(words, told[1] if told else delimiter_of(comment))
+    above = _cells(words, stated[1] if stated else delimiter_of(comment))
     if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
         return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
     return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
@@ -84,7 +84,7 @@ def units_below(cells: list[str], header: Header, place: str) -> list[str] | Non
     if None in units:
         shown, wrong = ", ".join(cells[:8])[:200], cells[units.index(None)][:40]
         rule = f"it must hold numbers, or the columns' units, and {wrong!r} is neither; remove or correct it"
-        raise InputError(f"the line below the names holds {shown!r}: {rule}; {header.told}", place=place)
+        raise InputError(f"the line below the names holds {shown!r}: {rule}; {header.remedy}", place=place)
     return [unit or "" for unit in units]
 
 

@@ -43,7 +43,7 @@ def _read(text: TextIO, path: Path) -> Table:
         if cut_off or len(row) > cells.width:
             line, found = cut_off or (line, len(row))
             rule = f"line has {counted(found, 'cell')}: it must have {cells.width}, as the line of names"
-            rule += "" if cells.count else f"; {header.told}"
+            rule += "" if cells.count else f"; {header.remedy}"
             raise InputError(rule, place=f"{path}:{line}")
         if len(row) < cells.width:
             cut_off = line, len(row)

@@ -54,12 +54,12 @@ def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> No
                     ratio = robot.drives[joint].ratio
                     turns = name == "theta" and _are_rotors(recording, joint, ratio)
                     slide = [each in robot.mechanism.sliding for each in recording.joints]
-                    told = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
+                    words = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
                     if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
-                        told += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
+                        words += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
                     if name == "theta" and ratio == 1.0:
-                        told += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
-                    raise InputError(told, place=file or None, **error.evidence) from error
+                        words += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
+                    raise InputError(words, place=file or None, **error.evidence) from error
 
 
 def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
@@ -71,9 +71,9 @@ def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
         return  # rotors before their gears
     for value, words in EXPLANATIONS.items():
         if value > 0.0 and factors and all(abs(factor / value - 1.0) < FITS for factor in factors):
-            told = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
+            found = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
             remedy = "state the unit of one in a mapping, as in 'theta: {channels: ..., unit: ...}'"
-            raise InputError(f"{told}  If so, {remedy}", place=file or None, factor=factors[0])
+            raise InputError(f"{found}  If so, {remedy}", place=file or None, factor=factors[0])
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:

@@ -143,12 +143,12 @@ def _notes_on_gaps(times: Array, name: str, notes: list[str]) -> None:
             f"the longest, {steps[worst]:.3g} s, is at {times[worst]:.6g} s"
         )
     if period < FAST:
-        told = f"a period of {period:g} s is too short for a log of a moving machine"
+        words = f"a period of {period:g} s is too short for a log of a moving machine"
         notes.append(
-            f"{name}: {told}: are the times in a longer unit?  If so, state it in a mapping, 'time: {{unit: ...}}'"
+            f"{name}: {words}: are the times in a longer unit?  If so, state it in a mapping, 'time: {{unit: ...}}'"
         )
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
-        told = f"a period of {period:g} s is too long for a log of a moving machine: are the times in {unit}?"
-        raise InputError(f"{name}: {told}  If so, {remedy}", period=period)
+        words = f"a period of {period:g} s is too long for a log of a moving machine: are the times in {unit}?"
+        raise InputError(f"{name}: {words}  If so, {remedy}", period=period)

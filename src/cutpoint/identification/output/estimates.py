@@ -90,8 +90,8 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     counts = {joint: each.spring.counts for joint, each in drives.joints.items() if 1.0 <= each.spring.counts < FINE}
     if not counts:
         return ()
-    told = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
-    few = f"half a deflection's range is only a few encoder steps ({told})"
+    shown = ", ".join(f"{joint} {count:.0f}" for joint, count in counts.items())
+    few = f"half a deflection's range is only a few encoder steps ({shown})"
     then = "rotors came out up to 5 % off and damping up to twice too large, both beyond their intervals"
     return (f"{few}: below {FINE:g}, {then}",)
 
@@ -102,9 +102,9 @@ def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
     found = {joint: spring.offset for joint, spring in springs.items() if abs(spring.offset) > ZEROS}
     if not found:
         return ()
-    told = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
+    shown = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
     then = "weights come from the links' encoders, and are as wrong as their zeros"
-    return (f"motors' encoders lead the links' where springs carry no load ({told}): do their zeros agree?  {then}",)
+    return (f"motors' encoders lead the links' where springs carry no load ({shown}): do their zeros agree?  {then}",)
 
 
 def _late(drives: DriveEstimates, supposed: float) -> tuple[str, ...]:

@@ -201,8 +201,8 @@ def _one_sided(robot: Robot, recording: Recording) -> list[str]:
     if not missing or not any(drive.is_elastic for drive in robot.drives.values()):
         return []
     there, other = ("motors", "links") if "q" in missing else ("links", "motors")
-    told = f"only the {there}' positions were recorded and stand in for the {other}', though drives bend"
-    return [f"{told}: no interval covers their difference"]
+    words = f"only the {there}' positions were recorded and stand in for the {other}', though drives bend"
+    return [f"{words}: no interval covers their difference"]
 
 
 def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:

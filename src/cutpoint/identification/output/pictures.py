@@ -52,8 +52,8 @@ def residual_picture(errors: TorqueErrors, robot: Robot) -> Figure:
     for j, joint in enumerate(joints):
         for axes, (label, values) in zip(grid[j], against, strict=True):
             held_out = errors.held_out[some]
-            for part, color, told in ((~held_out, MOTOR, "fitted"), (held_out, LINK, "held out")):
-                axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5, label=told)
+            for part, color, name in ((~held_out, MOTOR, "fitted"), (held_out, LINK, "held out")):
+                axes.plot(values[some, j][part], residual[some, j][part], ".", color=color, markersize=1.5, label=name)
             if j == len(joints) - 1:
                 axes.set_xlabel(label)
         titled(grid[j, 0], f"{joint}: residual [{units[joint]}]")

@@ -178,7 +178,7 @@ def _names(robot: Robot, rotors: Sequence[int]) -> tuple[str, ...]:
 
 def _term(coefficient: float, name: str, first: bool) -> str:
     size = f"{abs(coefficient):.4g}"
-    told = name if size == "1" else f"{size} {name}"
+    term = name if size == "1" else f"{size} {name}"
     if first:
-        return told
-    return f"{'-' if coefficient < 0 else '+'} {told}"
+        return term
+    return f"{'-' if coefficient < 0 else '+'} {term}"

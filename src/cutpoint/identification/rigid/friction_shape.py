@@ -71,8 +71,8 @@ def _steps(
     """Gauss-Newton step of each shape."""
     weights, _ = huber_weights(linear)
     values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
-    told = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
-    shapes, slopes = shape_slopes(base, told, joints, log, loads)
+    laws = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
+    shapes, slopes = shape_slopes(base, laws, joints, log, loads)
     sought = [k for k, (_, name) in enumerate(shapes) if not (offsets and name == "asymmetry")]
     shapes, slopes = [shapes[k] for k in sought], slopes[..., sought]
     both = replace(linear, columns=np.concatenate([linear.columns, slopes], axis=2))

@@ -242,9 +242,9 @@ def _with_note_on_lags(found: RigidEstimate) -> RigidEstimate:
     if found.told > LITTLE * len(found.parameters):
         return found
     before = LATER * float(np.median(np.diff(found.times)))
-    told = f"instruments tell {found.told} of {len(found.parameters)} numbers: their motion is {before:.3g} s old"
+    words = f"instruments tell {found.told} of {len(found.parameters)} numbers: their motion is {before:.3g} s old"
     remedy = "give identify_rigid the commanded motion as instruments, or use method='huber', --method huber"
-    return replace(found, notes=(*found.notes, f"{told}, and has changed since; {remedy}"))
+    return replace(found, notes=(*found.notes, f"{words}, and has changed since; {remedy}"))
 
 
 def _rotor_torques(base: BaseParameters, log: TorqueData, errors: Mapping[str, float]) -> Array:

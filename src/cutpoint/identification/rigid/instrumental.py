@@ -69,10 +69,10 @@ def _spread(
 ) -> Spread:
     """shapes (M, n, k), known (M, n, k): as above; shapes are their own instruments."""
     both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
-    told, R, z = _second_stage(both, np.concatenate([instruments, shapes], axis=2), noise)
+    columns, R, z = _second_stage(both, np.concatenate([instruments, shapes], axis=2), noise)
     _, P, seen = solved(R, z)
-    pull = P @ np.einsum("mjc,mjk->ck", told, known / noise[:, None])
-    return spread(told, residuals / noise, P, seen).first(len(regression.names), pull)
+    pull = P @ np.einsum("mjc,mjk->ck", columns, known / noise[:, None])
+    return spread(columns, residuals / noise, P, seen).first(len(regression.names), pull)
 
 
 def _second_stage(regression: Regression, instruments: Array, noise: Array) -> tuple[Array, Array, Array]:

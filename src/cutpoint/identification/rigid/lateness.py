@@ -110,8 +110,8 @@ def lateness(found: Regression, values: Array, beside: Array, steady: NDArray[np
     n, count = late.shape[2], len(found.names)
     if n * steady.sum() < 2 * (count + n):
         return np.full(n, np.nan), np.full((n, n), np.nan)
-    told = _with(found.part(steady), late[steady])[0]
-    delays, covariance = told.values[-n:].copy(), told.spread.covariance[-n:, -n:].copy()
+    estimate = _with(found.part(steady), late[steady])[0]
+    delays, covariance = estimate.values[-n:].copy(), estimate.spread.covariance[-n:, -n:].copy()
     if beside.shape[2]:
         share = _with(found, beside)[1] / _with(found, late)[1]
         explained = (share < LESS) | (np.exp(np.mean(np.log(share))) < LESS)

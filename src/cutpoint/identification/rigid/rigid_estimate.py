@@ -171,9 +171,9 @@ def _curves(fitted: Fitted, choices: Sequence[FrictionChoice]) -> list[str]:
         is_bare, unit = law.coulomb == 0.0 < law.static, units[joint]
         if law.stribeck_velocity > FAST * top or is_bare:
             bound = ", coulomb at its bound, 0" if is_bare else ""
-            told = f"up to {top:.3g} {unit} (stribeck_velocity {law.stribeck_velocity:.3g} {unit}{bound})"
+            speeds = f"up to {top:.3g} {unit} (stribeck_velocity {law.stribeck_velocity:.3g} {unit}{bound})"
             rule = "its numbers mean little singly, and it does not extrapolate: record faster motion to use it there"
-            notes.append(f"{joint}: friction is a curve through this log's speeds, {told}: {rule}")
+            notes.append(f"{joint}: friction is a curve through this log's speeds, {speeds}: {rule}")
     return notes
 
 

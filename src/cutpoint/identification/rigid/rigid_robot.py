@@ -151,13 +151,13 @@ def _sides(drive: Drive, coefficient: str) -> dict[str, float]:
     return found
 
 
-def laws_with(laws: Mapping[str, Sliding], told: Mapping[str, float]) -> dict[str, Sliding]:
+def laws_with(laws: Mapping[str, Sliding], values: Mapping[str, float]) -> dict[str, Sliding]:
     """The laws with a regression's coefficients, such as `coulomb.joint1`."""
     found: dict[str, Sliding] = {}
     for joint, law in laws.items():
-        law = law.with_coefficients([told[f"{name}.{joint}"] for name in law.coefficients])
+        law = law.with_coefficients([values[f"{name}.{joint}"] for name in law.coefficients])
         own: Any = law
-        found[joint] = law if law.per_load is None else replace(own, per_load=told.get(f"per_load.{joint}", 0.0))
+        found[joint] = law if law.per_load is None else replace(own, per_load=values.get(f"per_load.{joint}", 0.0))
     return found
 
 
