@@ -186,6 +186,25 @@ def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot,
     assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s */" in header
 
 
+class Descending:
+    """A law whose memory begins with zeros of both signs."""
+
+    def start(self) -> Any:
+        return np.array([-0.0, 0.0])
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        return memory - m.period, memory[0] * (r.theta - m.theta)
+
+
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_the_check_passes_for_a_memory_with_zeros_of_both_signs(
+    arm: cutpoint.Robot, precision: str, tmp_path: Path
+) -> None:
+    export_controller(arm, Descending(), tmp_path, control_period=PERIOD, name="law", precision=precision)
+    build(tmp_path, "law.c", "law_check.c", "-o", "check", flags=(*STRICT, "-O0"))
+    assert run(tmp_path)[0] == 0
+
+
 def test_the_check_of_a_law_sees_its_memory(arm: cutpoint.Robot, tmp_path: Path) -> None:
     """Memory that begins as zeros goes on from case to case."""
     law = PID([9.0] * 6, [8.0] * 6, [7.0] * 6, [0.5] * 6)

@@ -106,8 +106,8 @@ def _inputs(source: Source, notes: Notes) -> list[np.ndarray]:
 
 
 def _varied(usual: np.ndarray, random: np.ndarray, spread: np.ndarray) -> np.ndarray:
-    """About as large as usual, and small where that is 0."""
-    return np.where(usual == 0, spread * np.abs(random) / 100, usual * (1 + spread * random / 20))
+    """About as large as usual, and small where that is 0; as usual to the bit, -0 too, where nothing is spread."""
+    return np.where((usual == 0) & (spread > 0), spread * np.abs(random) / 100, usual * (1 + spread * random / 20))
 
 
 def _side_by_side(arrays: Sequence[np.ndarray], cases: int) -> np.ndarray:
