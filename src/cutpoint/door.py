@@ -104,6 +104,9 @@ def check_truths(function: str, **given: Any) -> None:
 def path_of(function: str, value: Any, of: str = "a file") -> Path:
     """The argument as a path.  Raises InputError for anything else.  of: what it is the path of."""
     check_kind(function, "path", value, (str, PathLike), f"the path of {of}")
+    if isinstance(value, str) and value.lstrip().startswith("<"):
+        rule = f"the path of {of}, not its text: write that to a file"
+        raise refused(function, "path", value, rule)
     return Path(value)
 
 

@@ -288,3 +288,8 @@ def test_a_shorter_period_is_advised_where_it_helps(kind, helps):
     assert ("a control_period of 0.00025 s holds" in str(refused.value)) == helps
     with nullcontext() if helps else pytest.raises(InputError):
         tune(ours, 200.0, kind, control_period=PERIOD / 4)
+
+
+def test_a_control_period_in_milliseconds_is_told_in_seconds():
+    with pytest.raises(InputError, match=r"a control_period of 0\.001 s holds"):
+        tune(elbow(), 2.0, control_period=1.0)

@@ -84,6 +84,14 @@ REFUSED = {
         lambda: VDC(elbow(), [9.0] * 3, 5.0, 3.0, 60.0),
         r"VDC: position_gain has 3 numbers; it must have one, or one for each of 2 drives",
     ),
+    "rates of each joint": (
+        lambda: AdaptiveVDC(elbow(), *GAINS, body_rate=[1.0, 2.0]),
+        r"^AdaptiveVDC: body_rate has 2 numbers; it must have one$",
+    ),
+    "a rate below zero": (
+        lambda: AdaptiveVDC(elbow(), *GAINS, joint_rate=-1.0),
+        r"^AdaptiveVDC: joint_rate = -1.0 must be finite and not negative$",
+    ),
     "a gain that is nothing": (lambda: PD(None, 1.0), r"PD: kp must be numbers, one for each drive, got None"),
     "gains that are nothing": (lambda: PD([None] * 2, 1.0), r"PD: kp must be numbers, .*, got \[None, None\]"),
     "gains of different lengths": (lambda: PD([[1.0, 2.0], [3.0]], 1.0), r"PD: kp must be numbers, one for each drive"),

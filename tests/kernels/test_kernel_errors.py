@@ -72,6 +72,7 @@ DEFINITIONS: list[tuple[Callable[[], Any], type[CutpointError], str]] = [
     (lambda: compile(lambda x: x, x=1, name=2), InputError, "name=2 must be a string"),
     (lambda: compile(lambda x, out: x, x=1, out=1), InputError, "have their own out=; rename the input"),
     (lambda: compile(lambda x: x, y=1), InputError, "its parameters are not the inputs ['y']"),
+    (lambda: compile(lambda q: q), InputError, "give each parameter's shape by its name, as in compile(function, q=6"),
     (lambda: compile(lambda x: x, x=1, backend="fortran"), InputError, "no backend is named 'fortran'"),
     (lambda: compile(lambda x: [x, [x]], x=()), TraceError, "'result' is ragged"),
     (lambda: compile(lambda x: x, x=100_000, backend="llvm"), InputError, "use backend='numpy'"),

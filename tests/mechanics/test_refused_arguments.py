@@ -46,6 +46,10 @@ NAN = np.array([0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
         (lambda r: Robot(None), r"^Robot: mechanism must be a Mechanism \(cutpoint.load reads files\), got None$"),
         (lambda r: Robot(r.mechanism, [Drive()]), r"^Robot: drives must be a mapping of joint names to Drives"),
         (lambda r: cutpoint.load(5), r"^load: path must be the path of a robot file, got 5$"),
+        (
+            lambda r: cutpoint.load(XIA2019_URDF.read_text()),
+            r"^load: path must be the path of a robot file, not its text: write that to a file, got '<.{,40}'$",
+        ),
         (lambda r: cutpoint.load(XIA2019_URDF, drives=5), r"^load: drives must be the path of a drive file, .* got 5"),
         (lambda r: cutpoint.load(XIA2019_URDF, lock=["joint1"]), r"^load: lock must be a coordinate for each joint"),
     ],

@@ -168,6 +168,10 @@ def test_an_error_in_a_controller_is_the_users_own():
             {"duration": 1.0, "sensors": Sensors(delay=10.0)},
             r"delay 10 s is 1e\+04 control .* at most 1000 are supported",
         ),
+        (
+            {"duration": 0.05, "controller": PD([1.0] * 6, [1.0] * 6), "sensors": Sensors(delay=0.1)},
+            "delay 0.1 s is as long as the run, 0.05 s, so PD would see nothing but its start; is it in ms?",
+        ),
         ({"duration": 1.0, "sensors": Sensors(delay=1e9)}, r"delay 1e\+09 s is 1e\+12 control periods of 0.001 s"),
         ({"trajectory": cycloid([0.1] * 5, 1.0)}, "the trajectory has 5 joints, but the robot has 6 drives"),
     ],

@@ -26,12 +26,13 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     if array.ndim > 1:
         raise InputError(f"{law}: {name} has shape {array.shape}; it must be a number, or a list of one for each drive")
     if not np.isfinite(array).all() or (array < 0).any() or (positive and (array == 0).any()):
-        rule = "positive" if positive else "not negative"
-        raise InputError(f"{law}: {name} = {value} must be finite and {rule}, one for each drive", gains=value)
+        rule = f"finite and {'positive' if positive else 'not negative'}"
+        raise InputError(f"{law}: {name} = {value} must be {rule}{', one for each drive' * (size != 1)}", gains=value)
     if size is None:
         return array.astype(float)
     if array.size not in (1, size):
-        raise InputError(f"{law}: {name} has {array.size} numbers; it must have one, or one for each of {size} drives")
+        rule = "one" if size == 1 else f"one, or one for each of {size} drives"
+        raise InputError(f"{law}: {name} has {array.size} numbers; it must have {rule}")
     return np.broadcast_to(array, size).astype(float)
 
 

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.control.interface import Control, start_of
+from cutpoint.control.interface import Control, name_of, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
@@ -154,6 +154,9 @@ def prepared(
     start, commanded = beginning(robot, initial, reference, not isinstance(law.law, FreeResponse))
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
     check_encoders("simulate", law.reads, encoders.sides)
+    if encoders.delay >= (last := reference.shape[1] - 1) and law.reads:
+        told = f"sensors: delay {encoders.delay * period:g} s is as long as the run, {last * period:g} s"
+        raise InputError(f"{told}, so {name_of(law.law)} would see nothing but its start; is it in ms?")
     remembers = with_float_leaves(start_of(law.law))
     programs = programs_for(robot, law, encoders, remembers)
     kept = None if channels is None else frozenset(channels)

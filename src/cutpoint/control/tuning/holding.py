@@ -32,6 +32,9 @@ CREEPING = 0.05
 SHORTER = 4
 """Times that a control period is shortened to see whether that would help."""
 
+LONG = 0.1
+"""s: a control period as long may be meant in ms."""
+
 CHANGES = {"width": "wider", "rate": "lower", "body_rate": "lower", "joint_rate": "lower", "shaping": "nearer to 1"}
 """What may help of what only some laws have."""
 
@@ -68,8 +71,9 @@ def check_holds(
     what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
     better = next((f"{hertz:.3g} Hz" for hertz, make in others if would_hold(make(), period)), "")
     remedies = [f"a bandwidth of {better} holds" if better else "ask for another bandwidth"]
-    if would_hold(law, period / SHORTER):
-        remedies.append(f"a control_period of {period / SHORTER:.3g} s holds")
+    shorter = period / (SHORTER if period < LONG else 1000)
+    if would_hold(law, shorter):
+        remedies.append(f"a control_period of {shorter:.3g} s holds")
     if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
         remedies.append("give the springs damping")
     remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if np.any(getattr(law, name, 0.0))]

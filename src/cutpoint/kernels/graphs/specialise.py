@@ -63,7 +63,9 @@ def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str,
         wrapped = f"lambda {', '.join(arguments)}: {name_of(function)}(...)"
         raise InputError(f"{name_of(function)}: its parameters are not known; compile {wrapped}") from None
     except TypeError as error:
-        raise InputError(f"{name_of(function)}: its parameters are not the inputs {[*arguments]}: {error}") from None
+        remedy = "give each parameter's shape by its name, as in compile(function, q=6, k=())"
+        told = f"{name_of(function)}: its parameters are not the inputs {[*arguments]}: {error}; {remedy}"
+        raise InputError(told) from None
     return arguments
 
 
