@@ -177,3 +177,12 @@ def elbow_with(told: list[Limits], own: list[Limits]) -> Robot:
 def test_a_guard_that_makes_no_sense_is_refused(options, message):
     with pytest.raises(InputError, match=message):
         Guard(elbow(), law("PD"), **options)
+
+
+def test_position_limits_in_degrees_are_refused_where_the_robots_own_show_it() -> None:
+    stated = elbow_with([Limits(-3.0, 3.0), Limits(-2.0, 2.5)], [Limits()] * 2)
+    with pytest.raises(InputError, match=r"lower -170 and upper 170 of 'shoulder' look like degrees; .* \[-3, 3\] rad"):
+        Guard(stated, law("PD"), lower=-170.0, upper=170.0)
+    for lower, upper in ((-2.0, 2.0), (-4.5, 4.5)):
+        Guard(stated, law("PD"), lower=lower, upper=upper)
+    Guard(elbow_with([Limits()] * 2, [Limits()] * 2), law("PD"), lower=-170.0, upper=170.0)  # many turns

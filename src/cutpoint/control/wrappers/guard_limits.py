@@ -6,7 +6,8 @@ import numpy as np
 
 from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force
+from cutpoint.model.limits import efforts_in_force, look_like_degrees
+from cutpoint.model.mechanism import Limits
 from cutpoint.robot import Robot
 
 LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
@@ -15,13 +16,14 @@ LIMITS = ("torque_limit", "speed_limit", "lower", "upper")
 def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
     """Limits (n,) by name, the robot's where none are given; traced ones pass unchecked.
 
-    Raises InputError for a torque or speed limit that is not positive, an upper limit below the lower one, NaN, or a
-    wrong size.
+    Raises InputError for a torque or speed limit that is not positive, an upper limit below the lower one, NaN, a
+    wrong size, or position limits that look like degrees where the robot states limits of its own.
     """
     stated = _stated(robot)
     found = {name: _each(robot, name, stated[name] if x is None else x) for name, x in given.items()}
     if not any(limit.dtype == object for limit in found.values()):
         _check(robot, found)
+        _check_angles(robot, stated, found)
     return found
 
 
@@ -53,3 +55,14 @@ def _check(robot: Robot, found: dict[str, Any]) -> None:
     for joint, lower, upper in zip(names, found["lower"], found["upper"], strict=True):
         if lower > upper:
             raise InputError(f"Guard: lower {lower} of {joint!r} must not exceed upper, {upper}", joint=joint)
+
+
+def _check_angles(robot: Robot, stated: dict[str, list[float]], found: dict[str, Any]) -> None:
+    """Raises InputError for limits beyond the robot's own that look like degrees: they would never be passed."""
+    pairs = (zip(limits["lower"], limits["upper"], strict=True) for limits in (stated, found))
+    for joint, own, (lower, upper) in zip(robot.drives, *pairs, strict=True):
+        is_beyond = np.isfinite(own).all() and (lower < own[0] or upper > own[1])
+        if is_beyond and joint not in robot.mechanism.sliding and look_like_degrees(Limits(lower, upper)):
+            told = f"Guard: lower {lower:g} and upper {upper:g} of {joint!r} look like degrees"
+            rule = f"the joint's own limits are [{own[0]:g}, {own[1]:g}] rad: give radians (numpy.radians)"
+            raise InputError(f"{told}; {rule}", joint=joint)
