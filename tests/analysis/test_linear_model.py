@@ -1,6 +1,6 @@
 """Linear models: derivatives against differences, equilibria, and small motions of the simulated robot."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -11,7 +11,8 @@ from scipy.linalg import expm
 import cutpoint
 from cutpoint import InputError, State
 from cutpoint.analysis.plant import kernels_of
-from cutpoint.model import Joint, Link
+from cutpoint.control import PD, slowest_pole, tune
+from cutpoint.model import Joint, Limits, Link
 from cutpoint.model.build import build
 from robot_library import BACKENDS, Array, Robot, assert_close, derivative, robot, states
 
@@ -158,7 +159,7 @@ def test_wrong_operating_points_are_refused():
     ours, floating = library("xia2019"), library("mixed_floating")
     with pytest.raises(InputError, match="last axis must be 6"):
         ours.linearize(np.zeros(5))
-    with pytest.raises(InputError, match="a single operating point"):
+    with pytest.raises(InputError, match="a single configuration"):
         ours.linearize(np.zeros((2, 6)))
     with pytest.raises(InputError, match=r"v\[3\] is nan"):
         ours.linearize(np.zeros(6), v=[0, 0, 0, np.nan, 0, 0])
@@ -168,6 +169,26 @@ def test_wrong_operating_points_are_refused():
         floating.linearize(np.zeros(len(floating.joints)))
     with pytest.raises(InputError, match="must be zero: its tangent frame would turn"):
         floating.linearize(floating.neutral(), v=np.ones(floating.nv))
+
+
+ASKED = {
+    "linearize": lambda ours, q: ours.linearize(q),
+    "modes": lambda ours, q: ours.modes(q),
+    "tune": lambda ours, q: tune(ours, 3.0, q=q),
+    "slowest_pole": lambda ours, q: slowest_pole(ours, PD([10.0] * 6, [1.0] * 6), q, 1e-3),
+}
+
+
+@pytest.mark.parametrize("ask", ASKED.values(), ids=ASKED)
+def test_a_pose_in_degrees_is_refused_where_limits_show_it(ask):
+    arm, q = library("xia2019"), np.array([0.0, 30.0, 60.0, 0.0, 45.0, 0.0])
+    bodies = [
+        replace(x, joint=replace(x.joint, kind="revolute", limits=Limits(-3.0, 3.0))) for x in arm.mechanism.bodies
+    ]
+    limited = Robot(replace(arm.mechanism, bodies=tuple(bodies)), arm.drives)
+    with pytest.raises(InputError, match=r"'joint2': position 30 rad exceeds .* \[-3, 3\]; this looks like degrees"):
+        ask(limited, q)
+    ask(limited, np.radians(q))
 
 
 def test_a_robot_that_cannot_move_is_refused():

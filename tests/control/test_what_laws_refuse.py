@@ -278,7 +278,7 @@ REFUSED = {
         lambda: tune(elbow(), 3.0, sides="motor"),
         r"no option of PD is named 'sides'.*'side'",
     ),
-    "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\), but must be one"),
+    "tuning at several poses": (lambda: tune(elbow(), 3.0, q=[[0.0] * 2]), r"q has shape \(1, 2\); give a single"),
     "a sum of nothing": (
         lambda: Sum(()),
         r"Sum: it has no parts, so its number of drives is unknown; give it at least one law",

@@ -8,8 +8,7 @@ from cutpoint.analysis.plant import Plant, plant_of
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
-from cutpoint.functions.quaternions import check_quaternions, quaternions_of
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot, check_robot, checked_pose
 
 Array = NDArray[np.float64]
 
@@ -70,7 +69,7 @@ def _operating_point(
     check_truths("linearize", friction=friction)
     if not robot.nv:
         raise InputError(f"linearize: robot {robot.name!r} has no joint that moves, so there is nothing to linearise")
-    q = _configuration(robot, q)
+    q = checked_pose("linearize", robot, q)
     v = _one("v", np.zeros(robot.nv) if v is None else v, robot.nv)
     for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         if own.v.stop - own.v.start > 1 and v[own.v].any():
@@ -82,16 +81,6 @@ def _operating_point(
     if motor_torque is not None:
         torque = _one("motor_torque", motor_torque, len(robot.drives))
     return OperatingPoint(q, v, steady.theta, steady.theta_dot, torque), plant
-
-
-def _configuration(robot: Robot, q: ArrayLike) -> Array:
-    several = [body.joint for body in robot.mechanism.bodies if body.joint.kind in ("planar", "spherical", "floating")]
-    if several and np.shape(q) == (len(robot.joints),):
-        what = f"{several[0].kind} joint {several[0].name!r} has coordinates too, {robot.nq} are needed in all"
-        raise InputError(f"linearize: q has one entry for each drive, but {what}: start from robot.neutral()", name="q")
-    found = _one("q", q, robot.nq)
-    check_quaternions("linearize", "q", found, quaternions_of(robot.mechanism, robot.machine.system))
-    return found
 
 
 def _one(name: str, value: ArrayLike, size: int) -> Array:

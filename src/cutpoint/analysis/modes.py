@@ -11,7 +11,7 @@ from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
-from cutpoint.robot import Robot
+from cutpoint.robot import Robot, check_robot, checked_pose
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -90,10 +90,11 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
     friction: as in `linearize`; if included, its slope at rest damps or suppresses modes.
 
     Raises:
-        InputError: q of a wrong shape, or not finite.
+        InputError: q of a wrong shape, not finite, or in degrees by its looks.
         ModelError: a joint can move without moving any inertia.
     """
-    model = linearize(robot, q, friction=friction)
+    check_robot("modes", robot)
+    model = linearize(robot, checked_pose("modes", robot, q), friction=friction)
     poles, vectors = _eigen(model)
     nv, y = robot.nv, (model.C @ vectors).T
     link, motor = y[:, :nv], y[:, 2 * nv : 2 * nv + len(robot.drives)]

@@ -14,12 +14,12 @@ from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
 from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
 from cutpoint.control.sensors import Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
-from cutpoint.door import check_kind, checked_array, positive
+from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot, check_robot, checked_pose
 from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
@@ -106,7 +106,6 @@ def sampled_loop(
     robot, q, law = _checked(function, robot, law, q)
     check_kind(function, "sensors", sensors, (Sensors, NoneType), "Sensors, or None")
     period = positive(function, "control_period", period, "s")
-    check_all_driven(function, robot)
     check_delays(function, robot, period)
     encoders = encoders_of(sensors or Sensors(), len(robot.drives), period)
     check_encoders(function, fields_read(law, ((x, traced(x, encoders.size)) for x in own_parts(law))), encoders.sides)
@@ -217,11 +216,9 @@ def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[R
     check_robot(function, robot)
     made = as_law(law)
     check_drives(made, robot.joints)
-    robot = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
-    pose = checked_array(function, "q", q, robot.nq)
-    if pose.ndim != 1:
-        raise InputError(f"{function}: q has shape {pose.shape}, but must be one pose, ({robot.nq},)", q=q)
-    return robot, pose, on_bare_drives(made)
+    check_all_driven(function, robot)
+    bare = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
+    return bare, checked_pose(function, robot, q), on_bare_drives(made)
 
 
 def _linear(robot: Robot, q: Array) -> "LinearModel":

@@ -14,9 +14,9 @@ from cutpoint.control.sensors import Sensors
 from cutpoint.control.tuning.design import Design, design_of
 from cutpoint.control.tuning.holding import check_holds
 from cutpoint.control.tuning.recipes import RECIPES
-from cutpoint.door import check_kind, checked_array, positive
+from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot, check_robot, checked_pose
 
 L = TypeVar("L")
 
@@ -88,9 +88,7 @@ def tune(
     if law not in RECIPES:
         raise unknown_name("law that can be tuned", law.__name__, names)
     check_all_driven("tune", robot)
-    pose = robot.neutral() if q is None else checked_array("tune", "q", q, robot.nq)
-    if pose.ndim != 1:
-        raise InputError(f"tune: q has shape {pose.shape}, but must be one pose, ({robot.nq},)", q=q)
+    pose = robot.neutral() if q is None else checked_pose("tune", robot, q)
 
     def made(hertz: float) -> Any:
         return _made(law, design_of(robot, pose, 2 * np.pi * hertz, damping, period), options)
