@@ -98,7 +98,8 @@ LINEAR = {"frequencies": [1.0, 2.0], "joint": "joint1"}
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: modes(None, Q[0]), r"linearize: robot must be a Robot"),
+        (lambda: modes(None, Q[0]), r"modes: robot must be a Robot"),
+        (lambda: linearize(None, Q[0]), r"linearize: robot must be a Robot"),
         (lambda: frequency_response(None, **LINEAR), r"frequency_response: model must be the linear model of a robot"),
         (lambda: frequency_response(linearize(robot("xia2019"), Q[0]), [1.0], Q), r"no driven joint is named array"),
         (lambda: sizing(robot("xia2019"), None), r"sizing: trajectory must be a trajectory: one of .*, got None"),
