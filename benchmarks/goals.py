@@ -41,6 +41,8 @@ WHERE = """
   of its builds here, which is the one that counts.
 * Lanes: Intel's processors do additions in the same two units as multiply-adds; AMD's have two more units for
   additions, which in Zen 4 take half of a vector of 512 bits at a time.
+* Zen 3: vectors hold half as many numbers, and there are half as many registers: in lanes inverse dynamics loads 1.2
+  vectors an operation, elastic inverse dynamics puts a number aside for every third one.
 * Inverse dynamics, lanes, on Zen 4: nearly every cycle starts a multiply-add (see their share); only fewer of them
   would take less time.
 * Regressor: its matrices are stored number by number; rows of {regressor} numbers saturate the memory's stores before
