@@ -38,8 +38,8 @@ def linearize(
         q: (nq,) rad (m).  v: (nv,) rad/s (m/s).  motor_torque: (drives,) N m (N) at the joint's side.
 
     Raises:
-        InputError: a wrong shape or number, a batch, v on a joint of several coordinates (its tangent frame turns), or
-            a robot that cannot move.
+        InputError: a wrong shape or number, a batch, q far beyond limits, as if in degrees, v on a joint of several
+            coordinates (its tangent frame turns), or a robot that cannot move.
         ModelError: a joint can move without moving any inertia.
     """
     point, plant = _operating_point(robot, q, v, motor_torque, friction)

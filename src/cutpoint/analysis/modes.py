@@ -90,7 +90,7 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
     friction: as in `linearize`; if included, its slope at rest damps or suppresses modes.
 
     Raises:
-        InputError: q of a wrong shape, not finite, or in degrees by its looks.
+        InputError: q of a wrong shape, not finite, or far beyond limits, as if in degrees.
         ModelError: a joint can move without moving any inertia.
     """
     check_robot("modes", robot)
