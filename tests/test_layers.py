@@ -19,6 +19,7 @@ LAYERS = """
     rolled
     functions
     robot
+    robot_arguments
     control derivatives loading robots
     simulation
     analysis identification

@@ -12,7 +12,6 @@ from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
 from cutpoint.functions.compiled import RobotKernels
 from cutpoint.functions.plain import PLAIN, Functions
-from cutpoint.functions.quaternions import check_quaternions, quaternions_of
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.bodies.rigid_body import parameters_of
 from cutpoint.mechanics.bodies.spatial import ZERO, Pose
@@ -25,7 +24,7 @@ from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.model import Drive, Mechanism, changes
 from cutpoint.model.decomposition import Cut, Subsystem, cuts_of, subsystems_of
 from cutpoint.model.drive_validation import DRIVES, validated_drives
-from cutpoint.model.limits import check_configuration, limits_in_force
+from cutpoint.model.limits import efforts_in_force, limits_in_force
 from cutpoint.model.mechanism import Limits, frozen
 from cutpoint.model.places import Places
 from cutpoint.model.validation import check_gravity
@@ -136,6 +135,14 @@ class Robot:
         lower, upper: rad (m); velocity: rad/s (m/s); effort: N m (N), without what the motor's current allows.
         """
         return limits_in_force(self.mechanism, self.drives)
+
+    @cached_property
+    def effort_limits(self) -> Array:
+        """The most that each motor may exert at its joint, (drives,), N m (N); inf where there is no limit.
+
+        The tighter of `limits`' effort and of what the motor's current limit allows.
+        """
+        return frozen(efforts_in_force(self.mechanism, self.drives))
 
     def neutral(self) -> Array:
         """The configuration with every joint unmoved, (nq,): zeros, and quaternions that turn by nothing.
@@ -580,30 +587,3 @@ class Robot:
     def __repr__(self) -> str:
         elastic = sum(drive.is_elastic for drive in self.drives.values())
         return f"<Robot {self.name!r}: {len(self.mechanism.bodies)} bodies, {self.nv} speeds, {elastic} elastic drives>"
-
-
-A_ROBOT = "a Robot (cutpoint.load reads files)"
-
-
-def check_robot(function: str, robot: Any) -> None:
-    """Raises InputError for an argument that is no robot.  function: who asks."""
-    door.check_kind(function, "robot", robot, Robot, A_ROBOT)
-
-
-def checked_pose(function: str, robot: Robot, q: ArrayLike) -> Array:
-    """A single configuration (nq,).
-
-    Raises InputError for another shape, a number that is not finite, a zero quaternion, and for positions far beyond
-    limits, as if in degrees or mm.  function: who asks.
-    """
-    several = [body.joint for body in robot.mechanism.bodies if body.joint.kind in ("planar", "spherical", "floating")]
-    if several and np.shape(q) == (len(robot.joints),):
-        what = f"{several[0].kind} joint {several[0].name!r} has coordinates too, {robot.nq} are needed in all"
-        told = f"{function}: q has one entry for each drive, but {what}: start from robot.neutral()"
-        raise InputError(told, name="q")
-    pose = door.checked_array(function, "q", q, robot.nq)
-    if pose.ndim != 1:
-        raise InputError(f"{function}: q has shape {pose.shape}; give a single configuration, ({robot.nq},)", name="q")
-    check_quaternions(function, "q", pose, quaternions_of(robot.mechanism, robot.machine.system))
-    check_configuration(robot.mechanism, pose[[d.q for d in robot.machine.drives]].tolist())
-    return pose

@@ -10,7 +10,8 @@ from cutpoint.door import check_kind, checked_array
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import deflection
 from cutpoint.model.drive import Drive
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 Array = NDArray[np.float64]
 

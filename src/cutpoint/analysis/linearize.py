@@ -8,7 +8,8 @@ from cutpoint.analysis.plant import Plant, plant_of
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
-from cutpoint.robot import Robot, check_robot, checked_pose
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot, checked_pose
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,8 @@ from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
-from cutpoint.robot import Robot, check_robot, checked_pose
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot, checked_pose
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,6 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.model.mechanism import Joint, Limits, Mimic
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
@@ -184,7 +183,7 @@ def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for each limit that a run met."""
     yield from beyond_travel(robot, log["q"].min(axis=0), log["q"].max(axis=0))
-    most = dict(zip(robot.joints, efforts_in_force(robot.mechanism, robot.drives).tolist(), strict=True))
+    most = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
     for name, share in log.meta.get("over_limit", {}).items():
         unit = "N" if name in robot.mechanism.sliding else "N m"
         limit = f"its limit of {most[name]:.4g} {unit}" if np.isfinite(most[name]) else "its voltage allows"

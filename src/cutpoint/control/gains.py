@@ -7,7 +7,6 @@ import numpy as np
 from cutpoint.control.interface import is_traced
 from cutpoint.door import as_numbers, refused
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 
 BOUNDLESS = 1e9
@@ -47,7 +46,7 @@ def _array(law: str, name: str, value: Any, rule: str) -> Any:
 
 def motor_limits(robot: Robot) -> Any:
     """(n,) N m at the joint: motor torque limits that robot and drives state, BOUNDLESS where they state none."""
-    return np.minimum(efforts_in_force(robot.mechanism, robot.drives), BOUNDLESS)
+    return np.minimum(robot.effort_limits, BOUNDLESS)
 
 
 def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:

@@ -15,7 +15,8 @@ from cutpoint.errors import InputError
 from cutpoint.functions.compiled import RobotKernels, compiled_of
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic_inverse import Options
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver

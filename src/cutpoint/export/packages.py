@@ -22,7 +22,8 @@ from cutpoint.kernels.graphs.precision import PRECISIONS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Values
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters

@@ -16,7 +16,6 @@ from cutpoint.control.interface import Control, name_of
 from cutpoint.control.sensors import Sensors
 from cutpoint.door import refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
 from cutpoint.simulation.controllers import admitted
@@ -191,8 +190,7 @@ def _setups(
             rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
             given = (robot, accuracy, substeps, period, start, reference)
             steps = max(steps, once(steps_of, robot, reference, initial, given=given))
-            limits = efforts_in_force(robot.mechanism, robot.drives)
-            setups.append(Setup(k, loop, start, commanded, reference, rows, limits))
+            setups.append(Setup(k, loop, start, commanded, reference, rows, robot.effort_limits))
     return setups, steps
 
 

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.mechanics.drives.strains import count, dealt, taken
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.simulation.log.channels import BASE_COORDINATES, BASE_SPEEDS, DIFFERENCES, MEMORY, base_of
 from cutpoint.simulation.log.log import Log, Run
 from cutpoint.simulation.loop.loop import ClosedLoop
@@ -49,7 +48,7 @@ def _over_limit(loop: ClosedLoop, channels: Mapping[str, Array]) -> dict[str, di
     asked, speeds, robot = channels.get("command_torque"), channels.get("theta_dot"), loop.robot
     if asked is None:
         return {}
-    over = np.abs(asked) > efforts_in_force(robot.mechanism, robot.drives)
+    over = np.abs(asked) > robot.effort_limits
     for k, drive in enumerate(robot.drives.values()):
         if speeds is not None and drive.motor and drive.motor.voltage_limit is not None:
             allowed = within_limits(drive, asked[:, k], speeds[:, k])

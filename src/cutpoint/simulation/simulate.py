@@ -13,8 +13,8 @@ from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
 from cutpoint.door import check_choice, check_kind, whole
 from cutpoint.errors import InputError, SimulationError
-from cutpoint.model.limits import efforts_in_force
-from cutpoint.robot import A_ROBOT, Robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import A_ROBOT
 from cutpoint.rolled import TOO_LARGE
 from cutpoint.scalars import with_float_leaves
 from cutpoint.simulation.beginning import beginning
@@ -101,8 +101,7 @@ def simulate(
     loop, start, commanded = prepared(robot, law, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy, substeps, control_period, start, reference)
     rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
-    limits = efforts_in_force(robot.mechanism, robot.drives)
-    memory = working_memory(loop, start, commanded, rows, noise, limits, steps.number)
+    memory = working_memory(loop, start, commanded, rows, noise, robot.effort_limits, steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}

@@ -11,7 +11,8 @@ from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.door import as_numbers
 from cutpoint.errors import InputError
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 
 @dataclass(frozen=True, eq=False)

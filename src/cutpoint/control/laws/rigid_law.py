@@ -12,7 +12,7 @@ from cutpoint.control.laws.side import Side, SidedLaw
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.harmonic_drive import friction_of_both_sides, friction_torque, rigidly_transmitted
 from cutpoint.mechanics.required_dynamics import required_inverse_dynamics
-from cutpoint.robot import check_robot
+from cutpoint.robot_arguments import check_robot
 
 
 @dataclass(frozen=True, eq=False)

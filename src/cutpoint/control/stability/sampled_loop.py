@@ -19,7 +19,8 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.model.drive import Drive, Friction
-from cutpoint.robot import Robot, check_robot, checked_pose
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot, checked_pose
 from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:

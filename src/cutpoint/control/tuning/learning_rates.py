@@ -21,7 +21,6 @@ from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes, pseudo_inert
 from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -84,7 +83,7 @@ def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
     sliding, frequency = robot.mechanism.sliding, omega / (2.0 * np.pi * PERIODS)
     size = np.where([name in sliding for name in robot.drives], STROKE, SWING)
     fastest = np.array([limits.velocity for limits in robot.limits.values()])
-    strongest = efforts_in_force(robot.mechanism, robot.drives) / inertia
+    strongest = robot.effort_limits / inertia
     speed, acceleration = 2.0 * size * frequency, 2.0 * np.pi * size * frequency**2
     return Motion(np.minimum(speed, fastest), np.minimum(acceleration, strongest))
 

@@ -16,7 +16,8 @@ from cutpoint.control.tuning.holding import check_holds
 from cutpoint.control.tuning.recipes import RECIPES
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.robot import Robot, check_robot, checked_pose
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot, checked_pose
 
 L = TypeVar("L")
 

@@ -14,7 +14,8 @@ from cutpoint.control.own_law import own_parts
 from cutpoint.control.wrappers.guard_limits import LIMITS, limits_of
 from cutpoint.door import check_kind, checked_name, positive
 from cutpoint.kernels import Traced
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 from cutpoint.scalars import Scalar, absolute, clip, leaves, maximum, rebuild, where, with_float_leaves
 
 SEVERITY = {"hold": 1, "ramp": 2, "stop": 3}

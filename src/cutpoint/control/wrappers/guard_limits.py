@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force, look_like_degrees
+from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import Limits
 from cutpoint.robot import Robot
 
@@ -30,7 +30,7 @@ def limits_of(robot: Robot, given: dict[str, Any]) -> dict[str, Any]:
 def _stated(robot: Robot) -> dict[str, list[float]]:
     limits = robot.limits.values()
     return {
-        "torque_limit": [*efforts_in_force(robot.mechanism, robot.drives)],
+        "torque_limit": [*robot.effort_limits],
         "speed_limit": [each.velocity for each in limits],
         "lower": [each.lower for each in limits],
         "upper": [each.upper for each in limits],

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from cutpoint.door import checked_name
 from cutpoint.identification.conditioning.clock_skew import Law
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,8 @@ from cutpoint.identification.logs.recording import Array, Recording, check_recor
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
 from cutpoint.mechanics.drives.presliding import Presliding
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 LONGEST_DELAY = 0.1
 """s, of torques; a longer one is in ms."""

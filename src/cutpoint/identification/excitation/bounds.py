@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.door import positive, refused
 from cutpoint.errors import InputError
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
 
@@ -55,7 +54,7 @@ def bounds_of(
         high,
         np.fmin(_largest(robot, "speed", speed), speeds),
         _largest(robot, "acceleration", acceleration),
-        np.fmin(_largest(robot, "torque", torque), efforts_in_force(robot.mechanism, robot.drives)),
+        np.fmin(_largest(robot, "torque", torque), robot.effort_limits),
     )
     for name, most in zip(robot.joints, bounds.speed, strict=True):
         if np.isinf(most):

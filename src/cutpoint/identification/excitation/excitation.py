@@ -24,7 +24,8 @@ from cutpoint.identification.excitation.problem import Problem
 from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.identification.one_thread import by_one_thread
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

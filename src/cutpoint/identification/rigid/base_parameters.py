@@ -16,7 +16,8 @@ from cutpoint.door import checked_name, checked_names
 from cutpoint.errors import InputError
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.model.mechanism import Body
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

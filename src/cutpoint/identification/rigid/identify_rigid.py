@@ -42,7 +42,8 @@ from cutpoint.identification.rigid.rigid_robot import (
 from cutpoint.identification.rigid.uncertainty import are_told
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.model.drive import Friction, KinematicError
-from cutpoint.robot import Robot, check_robot
+from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_robot
 
 Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber", "instrumental"]

@@ -13,7 +13,6 @@ from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive, Friction
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.spring_slopes import stiffest
 
@@ -72,11 +71,10 @@ def fastest_mode(robot: Robot, postures: Sequence[Posture], deflections: Array |
     names, drives = [*robot.drives], [*robot.drives.values()]
     elastic = np.array([d.is_elastic for d in drives], bool)
     bristles = np.array([[_bristles(d.link_friction), _bristles(d.motor_friction)] for d in drives]).reshape(-1, 2)
-    most = efforts_in_force(robot.mechanism, robot.drives)
     best = Limit(0.0, "nothing that swings")
     for m, (q, mobility) in enumerate(postures):
         lead = robot.static_deflection(q) if deflections is None else deflections[m]
-        K = np.array([stiffest(*each) for each in zip(drives, lead, most, strict=True)])
+        K = np.array([stiffest(*each) for each in zip(drives, lead, robot.effort_limits, strict=True)])
         square, shape = _largest_eigenvalue(_swing(mobility, K, bristles, elastic))
         if (rate := float(np.sqrt(square))) > best.rate:
             best = Limit(rate, _most_strained(names, K, bristles, elastic, shape))

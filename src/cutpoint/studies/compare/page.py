@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cutpoint.model.limits import efforts_in_force
 from cutpoint.reporting.page import Page, Picture, listed
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench, overtaxed
@@ -81,7 +80,7 @@ def _scenarios(results: Results, seeds: int) -> str:
 
 
 def _sizes(bench: Bench) -> str:
-    limits = efforts_in_force(bench.robot.mechanism, bench.robot.drives)
+    limits = bench.robot.effort_limits
     bounds = (
         f"Torques are limited to {listed(limits, 0)} N m" if np.isfinite(limits).all() else "Not all limits are stated"
     )

@@ -1,0 +1,40 @@
+"""Arguments that are a robot, or a pose of one."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cutpoint import door
+from cutpoint.errors import InputError
+from cutpoint.functions.quaternions import check_quaternions, quaternions_of
+from cutpoint.model.limits import check_configuration
+from cutpoint.robot import Robot
+
+Array = NDArray[np.float64]
+
+A_ROBOT = "a Robot (cutpoint.load reads files)"
+
+
+def check_robot(function: str, robot: Any) -> None:
+    """Raises InputError for an argument that is no robot.  function: who asks."""
+    door.check_kind(function, "robot", robot, Robot, A_ROBOT)
+
+
+def checked_pose(function: str, robot: Robot, q: ArrayLike) -> Array:
+    """A single configuration (nq,).
+
+    Raises InputError for another shape, a number that is not finite, a zero quaternion, and for positions far beyond
+    limits, as if in degrees or mm.  function: who asks.
+    """
+    several = [body.joint for body in robot.mechanism.bodies if body.joint.kind in ("planar", "spherical", "floating")]
+    if several and np.shape(q) == (len(robot.joints),):
+        what = f"{several[0].kind} joint {several[0].name!r} has coordinates too, {robot.nq} are needed in all"
+        told = f"{function}: q has one entry for each drive, but {what}: start from robot.neutral()"
+        raise InputError(told, name="q")
+    pose = door.checked_array(function, "q", q, robot.nq)
+    if pose.ndim != 1:
+        raise InputError(f"{function}: q has shape {pose.shape}; give a single configuration, ({robot.nq},)", name="q")
+    check_quaternions(function, "q", pose, quaternions_of(robot.mechanism, robot.machine.system))
+    check_configuration(robot.mechanism, pose[[d.q for d in robot.machine.drives]].tolist())
+    return pose
