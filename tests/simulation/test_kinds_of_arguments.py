@@ -71,6 +71,24 @@ def test_a_trajectory_of_ones_own_is_one():
     assert np.array_equal(simulate(ours, None, Mine())["q"], simulate(ours, None, cycloid(np.full(6, 0.1), 0.02))["q"])
 
 
+def test_a_trajectory_of_ones_own_may_write_into_the_same_array_again():
+    class Mine:
+        duration, size = 0.02, 6
+
+        def __init__(self) -> None:
+            self.kept = np.zeros((5, 21, 6))
+
+        def derivatives(self, t: Any, order: int) -> Any:
+            self.kept += 0.1
+            return self.kept
+
+    ours, mine = robot("xia2019"), Mine()
+    first = simulate(ours, None, mine)
+    second = simulate(ours, None, mine)
+    assert np.all(first["reference_q"] == 0.1) and np.all(second["reference_q"] == 0.2)
+    assert first.run and np.all(first.run.reference == 0.1)
+
+
 @pytest.mark.parametrize(("part", "size"), [("q", 6), ("v", 6), ("theta", 6), ("theta_dot", 6), ("strains", 0)])
 @pytest.mark.parametrize("law", [None, PD([1.0] * 6, [1.0] * 6)])
 def test_a_run_has_one_start(part, size, law):

@@ -9,7 +9,6 @@ from cutpoint.door import checked_array, number, positive, whole
 from cutpoint.errors import InputError, listed
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
-from cutpoint.scalars import is_of_cutpoint
 from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.noise import Noise
@@ -62,8 +61,7 @@ def reference_at(robot: Robot, trajectory: Moves | None, initial: State | None, 
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy scans contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme.tolist())
-    # a user's trajectory may reuse its array, and a log keeps it
-    return reference if is_of_cutpoint(trajectory) else reference.copy()
+    return reference
 
 
 def check_fits(function: str, trajectory: Moves, robot: Robot) -> None:
@@ -82,7 +80,7 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
     layout = loop.layout
     rows: Array = np.zeros((len(times), layout.row))
     rows[:, 0] = times
-    rows[:, 1 : 1 + 5 * layout.n].reshape(len(times), 5, layout.n)[:] = np.moveaxis(reference, 0, 1)
+    layout.references(rows)[:] = reference
     if disturbances is not None:
         pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):

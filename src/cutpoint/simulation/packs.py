@@ -38,15 +38,14 @@ BUFFER = 4 * BLOCK
 class Setup:
     """A run before it starts.
 
-    number: among all runs.  commanded: motor commands until the first sample, N m.  reference (5, N, drives) and rows
-    (N, ...) may be shared with other runs; limits of torque, N m.
+    number: among all runs.  commanded: motor commands until the first sample, N m.  rows (N, ...) may be shared with
+    other runs; limits of torque, N m.
     """
 
     number: int
     loop: ClosedLoop
     start: State
     commanded: Array
-    reference: Array
     rows: Array
     limits: Array
 
@@ -127,7 +126,7 @@ class Pack:
             loop, record, done, cause = again
         elif done < len(self.times):
             cause = f"interrupted at t = {self.times[done - 1]:g} s; the log holds everything until then"
-        log = log_of(loop, record[:done], self.times, setup.reference, setup.rows, self.settings)
+        log = log_of(loop, record[:done], self.times, setup.rows, self.settings)
         if cause is None:
             return log
         return SimulationError(cause, log=log, time=float(self.times[done - 1]), diverged=failed)

@@ -23,22 +23,22 @@ ROUNDING = 1e-9
 SPEEDS = ("v", "theta_dot", "measured_v", "measured_theta_dot", "motor_speed_reference", "reference_v")
 
 
-def log_of(
-    loop: ClosedLoop, record: Array, times: Array, reference: Array, rows: Array, meta: dict[str, object]
-) -> Log:
+def log_of(loop: ClosedLoop, record: Array, times: Array, rows: Array, meta: dict[str, object]) -> Log:
     """All recorded and derived channels, or the requested ones; a floating base's coordinates and speeds are one each.
 
     rows: inputs of each control period.
     """
     channels = _recorded(loop, record)
-    channels["reference_q"], channels["reference_v"] = reference[:2, : len(record)]
-    channels |= _disturbance(loop, rows[: len(record)])
+    rows = rows[: len(record)]
+    reference = loop.layout.references(rows)
+    channels["reference_q"], channels["reference_v"] = reference[:2]
+    channels |= _disturbance(loop, rows)
     differences = {name: pair for name, pair in DIFFERENCES.items() if _is_wanted(loop, name)}
     channels |= {name: channels[whole] - channels[part] for name, (whole, part) in differences.items()}
     channels, units = {name: _read_only(x) for name, x in channels.items() if _is_wanted(loop, name)}, _units(loop)
     about = {"robot": loop.robot.name, "control_period": loop.period, **meta, **_over_limit(loop, channels)}
     units = {name: units[name] for name in channels}
-    run = Run(loop.robot, loop.controller, reference[:, : len(record)], _end_of(loop, record))
+    run = Run(loop.robot, loop.controller, reference, _end_of(loop, record))
     return Log(_read_only(times)[: len(record)], channels, units, tuple(loop.robot.drives), about, run)
 
 

@@ -109,7 +109,7 @@ def simulate(
         settings |= {"substeps": None, "hold": bool(hold)}
     if not outcome.ticks:
         raise SimulationError(outcome.cause or "", diverged=outcome.diverged)
-    log = log_of(loop, memory["record"][: outcome.ticks], times, reference, rows, settings)
+    log = log_of(loop, memory["record"][: outcome.ticks], times, rows, settings)
     if outcome.cause:
         raise SimulationError(outcome.cause, log=log, time=float(times[outcome.ticks - 1]), diverged=outcome.diverged)
     if integrate is None and substeps is None:

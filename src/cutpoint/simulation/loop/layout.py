@@ -46,6 +46,10 @@ class Layout:
     def disturbance(self, row: Scalars) -> Scalars:
         return row[1 + 5 * self.n :]
 
+    def references(self, rows: Array) -> Array:
+        """Of all rows (N, row), (5, N, n): to be read or written."""
+        return np.moveaxis(rows[:, 1 : 1 + 5 * self.n].reshape(len(rows), 5, self.n), 1, 0)
+
     def disturbances(self, rows: Array) -> Array:
         """Of all rows (N, row), (N, nv): to be read or written."""
         return rows[:, 1 + 5 * self.n :]
