@@ -36,7 +36,6 @@ from cutpoint import Drive, Flexspline, Robot, definitions, robots
 from cutpoint.analysis import encoder_torque, virtual_power
 from cutpoint.control import Fault, Guard
 from cutpoint.control.laws import joint_law
-from cutpoint.control.sensors import Encoders
 from cutpoint.derivatives import definitions as derivative_definitions
 from cutpoint.formats.drives import entry as drive_entry
 from cutpoint.kernels.lowering import fusion
@@ -62,7 +61,7 @@ from cutpoint.mechanics.drives.presliding import ElastoPlastic, LuGre
 from cutpoint.mechanics.system import System
 from cutpoint.rolled import bodies
 from cutpoint.rolled.algorithms import derivatives as looped_derivatives
-from cutpoint.simulation.loop.loop import ClosedLoop
+from cutpoint.simulation.loop.loop import ClosedLoop, passed_on
 from cutpoint.studies.sizing import load
 
 
@@ -238,9 +237,9 @@ MUTANTS = {
         TREE,
     ),
     "sensor delay zero": Mutant(
-        Encoders.measure,
-        "measured, line = line[: 2 * n]",
-        "measured, line = line[-2 * n :]",
+        passed_on,
+        "return waiting, reading",
+        "return reading, waiting",
         sensing.test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples,
         {"periods": 1, "backend": "numpy"},
     ),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -12,15 +12,15 @@ from cutpoint.door import check_choice, number, whole
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
 
-Numbers = Sequence[float]
+Array = NDArray[np.float64]
 
 SAMPLED = ("q", "theta", "v", "theta_dot")
 """The order of a sample: what encoders read, which are positions, comes before speeds."""
 
 _TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: adding it rounds a double to a whole number, to even
 
-MOST_DELAYED = 24_000
-"""Numbers on their way, four a drive and control period: as many more take minutes to compile into a step."""
+MOST_DELAYED = 1_000_000
+"""Numbers on their way, four a drive and control period: every sample moves all of them along."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Sensors:
     link_resolution, motor_resolution: smallest step, rad at the joint's side (a motor encoder's step over ratio).
     link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
     Each is one number for all drives or one for each; None is a perfect encoder.
-    delay: s, a whole number of control periods, at most 6000 over the number of drives.
+    delay: s, a whole number of control periods, at most 250,000 over the number of drives.
     speeds: "true", or "differenced" from positions as measured, over one control period.  The robot is taken to
         have been at rest before the first sample, without noise: delayed readings start from that.
     sides: where there are encoders, "both", "motor" or "link"; a controller gets NaN for the other side.
@@ -64,26 +64,24 @@ class Encoders:
         """How many random numbers a sample takes."""
         return sum(self.size for x in self.noise if x is not None)
 
-    def memory(self, q: Numbers, v: Numbers, theta: Numbers, theta_dot: Numbers) -> list[float]:
-        """Memory at rest in a state: delayed samples, and the last measured positions; without noise."""
-        n = 2 * self.size
-        seen = [*map(_encode, [*q, *theta], [None] * n, self._spread(self.resolution), [0] * n)]
-        return [*seen, *v, *theta_dot] * self.delay + (seen if self.differenced else [])
+    def at_rest(self, sample: Sequence[float]) -> tuple[Array, Array]:
+        """Readings on their way, (delay, 4 n), and the last positions, of a robot that has been at rest in a sample."""
+        reading = np.array(replace(self, noise=(None, None)).read(sample, []), float)
+        return np.tile(reading, (self.delay, 1)), reading[: 2 * self.size if self.differenced else 0]
 
-    def measure(self, sample: list[Scalar], memory: list[Scalar], noise: list[Scalar], period: Scalar) -> Any:
-        """The measurement, and the next memory: sample and measurement are SAMPLED, n each."""
-        n = 2 * self.size
+    def read(self, sample: Sequence[Scalar], noise: Sequence[Scalar]) -> list[Scalar]:
+        """What encoders read of a sample: both are SAMPLED, n each, true speeds included."""
+        n, normals = 2 * self.size, iter(noise)
         noises, steps = self._spread(self.noise), self._spread(self.resolution)
-        normals = iter(noise)
         drawn = [0 if x is None else next(normals) for x in noises]
-        positions = [*map(_encode, sample[:n], noises, steps, drawn)]
-        line = [*memory[: 2 * n * self.delay], *positions, *sample[n:]]
-        measured, line = line[: 2 * n], line[2 * n :]
-        if not self.differenced:
-            return self._of_its_sides(measured), line
-        before = memory[len(memory) - n :]
-        speeds = [(now - then) / period for now, then in zip(measured[:n], before, strict=True)]
-        return self._of_its_sides([*measured[:n], *speeds]), [*line, *measured[:n]]
+        return self._of_its_sides([*map(_encode, sample[:n], noises, steps, drawn), *sample[n:]])
+
+    def difference(
+        self, reading: Sequence[Scalar], before: Sequence[Scalar], period: Scalar
+    ) -> tuple[list[Scalar], list[Scalar]]:
+        """The reading with speeds from its positions and those before; and its positions, for the next one."""
+        positions = [*reading[: 2 * self.size]]
+        return [*positions, *((now - then) / period for now, then in zip(positions, before, strict=True))], positions
 
     def _of_its_sides(self, measured: list[Scalar]) -> list[Scalar]:
         """Sets NaN for the side without encoders; quantities alternate, the link's first."""

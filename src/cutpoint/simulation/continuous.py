@@ -29,7 +29,7 @@ def check_continuous(loop: ClosedLoop) -> None:
     what = None
     if leaves(loop.memory):
         what = f"{type(loop.controller).__name__} remembers"
-    elif loop.encoders.memory(*[[0.0] * loop.layout.n] * 4) or loop.encoders.normals:
+    elif loop.encoders.delay or loop.encoders.differenced or loop.encoders.normals:
         what = "sensors with noise, delay or differences go by samples"
     elif loop.layout.state != loop.robot.nq + loop.robot.nv + 2 * loop.layout.n:
         what = "drives with current loops, hysteresis or presliding go by samples"
@@ -80,7 +80,7 @@ class _Rates:
     def _traced(self, x: list, row: list, law: list, parameters: list) -> list:
         """The command's torques, then dx/dt."""
         loop, n, disturbance = self._loop, self._loop.layout.n, self._loop.layout.disturbance(row)
-        measured, _ = loop.sense(loop.lanes.padded(x), [], [], parameters)
+        measured = loop.sense(loop.lanes.padded(x), [], parameters)
         command, _ = loop.control(measured, [], row, law)
         limited, _ = loop.actuate(loop.lanes.padded(x), command, [0] * loop.lanes.size(n), parameters)
         machine = loop.robot.machine_with(parameters[: len(loop.robot.drive_parameters)])

@@ -142,7 +142,8 @@ class Pack:
 
 def _beside(numbers: Sequence[Array]) -> Array:
     """Numbers of several runs, (..., n) each, side by side: number f of run l is at f * runs + l."""
-    return np.stack(numbers, axis=-1).reshape(*numbers[0].shape[:-1], -1)
+    *rows, n = numbers[0].shape
+    return np.stack(numbers, axis=-1).reshape(*rows, n * len(numbers))
 
 
 def packs_of(setups: Sequence[Setup], structure: Callable[[Setup], Any], **common: Any) -> list[Pack]:

@@ -59,12 +59,13 @@ def working_memory(
 def first_numbers(loop: ClosedLoop, start: State, commanded: Array, limits: Array) -> dict[str, Array]:
     """Regions that are not zero at the start of a run, and are its own."""
     driven = loop.robot.machine.drives
-    seen = [start.q[[d.q for d in driven]], start.v[[d.v for d in driven]], start.theta, start.theta_dot]
+    sample = [*start.q[[d.q for d in driven]], *start.theta, *start.v[[d.v for d in driven]], *start.theta_dot]
+    line, positions = loop.encoders.at_rest(sample)
     state = np.array(loop.lanes.padded(np.concatenate(start)))
     torque = np.array(loop.lanes.padded(commanded))
     return {
         "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
-        "sensing": np.array(loop.encoders.memory(*seen), float), "memory": loop.initial_memory(),
+        "line": line, "positions": positions, "memory": loop.initial_memory(),
         "parameters": loop.parameters(limits), "law": loop.law_parameters(), "numbers": loop.plant.numbers(),
     }  # fmt: skip
 

@@ -151,16 +151,19 @@ class _Slopes(NamedTuple):
 
 def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     """Measured q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
-    quiet, n = replace(encoders, resolution=(None, None), noise=(None, None), sides="both"), encoders.size
-    kept = len(quiet.memory(*[[0.0] * n] * 4))
+    n, delayed = encoders.size, 4 * encoders.size * encoders.delay
+    kept = delayed + (2 * n if encoders.differenced else 0)
     if kept > MOST_REMEMBERED:
         rule = f"{kept} delayed numbers are too many to compute poles with, at most {MOST_REMEMBERED}"
         raise InputError(f"{function}: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
     order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
 
     def measured(numbers: Array) -> Array:
-        seen, after = quiet.measure([*numbers[order]], [*numbers[4 * n :]], [], period)
-        return np.array([*np.array(seen)[order], *after])
+        line, before = [*numbers[4 * n : 4 * n + delayed], *numbers[order]], [*numbers[4 * n + delayed :]]
+        reading, line = line[: 4 * n], line[4 * n :]  # the oldest is the first
+        if encoders.differenced:
+            reading, before = encoders.difference(reading, before, period)
+        return np.array([*np.array(reading)[order], *line, *before])
 
     slopes = np.stack([measured(one) for one in np.eye(4 * n + kept)], axis=1)
     return _Slopes(*(x for rows in np.split(slopes, [4 * n]) for x in np.split(rows, [4 * n], axis=1)))

@@ -110,7 +110,8 @@ class ClosedLoop:
             "numbers": len(self.robot.drive_parameters) if lanes.are_wide else 0,
         }  # fmt: skip
         plain = {
-            "row": self.layout.row, "sensing": len(self.encoders.memory(*[[0.0] * n] * 4)), "measured": 4 * n,
+            "row": self.layout.row, "measured": 4 * n, "line": 4 * n if self.encoders.delay else 0,
+            "positions": 2 * n if self.encoders.differenced else 0,
             "memory": len(leaves(self.memory)), "command": 4 * n + 1, "elapsed": 1,
             "parameters": len(self.parameters(np.zeros(n))), "law": len(self.law_parameters()),
             "tableau": TABLEAU.shape[1], "record": sum(self.channels.values()), "fault": 1, "steps": 1,
@@ -131,11 +132,16 @@ class ClosedLoop:
 
     # stages
 
-    def sense(self, state: Scalars, sensing: Scalars, noise: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
+    def sense(self, state: Scalars, noise: Scalars, parameters: Scalars) -> Scalars:
+        """What the encoders read of the state."""
         given = self._given(parameters)
         places = [own.at for own in by_drive(given.machine, self.lanes.dense(state))]
-        sample = [getattr(at, name) for name in SAMPLED for at in places]
-        return given.encoders.measure(sample, sensing, noise, given.period)
+        return given.encoders.read([getattr(at, name) for name in SAMPLED for at in places], noise)
+
+    def difference(self, measured: Scalars, positions: Scalars, parameters: Scalars) -> tuple[Scalars, Scalars]:
+        """The measurement with speeds from positions; and its positions, for the next one."""
+        given = self._given(parameters)
+        return given.encoders.difference(measured, positions, given.period)
 
     def control(self, measured: Scalars, memory: Scalars, row: Scalars, law: Scalars) -> tuple[Scalars, Scalars]:
         """Command: torque, the part of it that is feedforward, motor reference and its speed; and a fault."""
@@ -201,7 +207,14 @@ class ClosedLoop:
 
     @property
     def _before(self) -> list[Stage | Loop]:
-        return [Stage(self.sense, ("state", "sensing", "noise", "parameters"), ("measured", "sensing"), self.runs)]
+        place, positions = ("measured", "line"), ("measured", "positions")
+        line = Loop(self.encoders.delay, [Stage(passed_on, place, place, self.runs)], streams=("line",))
+        difference = Stage(self.difference, (*positions, "parameters"), positions, self.runs)
+        return [
+            Stage(self.sense, ("state", "noise", "parameters"), ("measured",), self.runs),
+            *([line] if self.encoders.delay else []),
+            *([difference] if self.encoders.differenced else []),
+        ]
 
     @property
     def _control(self) -> Stage:
@@ -252,3 +265,8 @@ class ClosedLoop:
 
     def _given(self, numbers: Scalars) -> Given:
         return with_parameters(self.robot, self.encoders, numbers)
+
+
+def passed_on(reading: Scalars, waiting: Scalars) -> tuple[Scalars, Scalars]:
+    """One place of the line of delayed readings: the one that waits there leaves, and this one waits instead."""
+    return waiting, reading
