@@ -103,7 +103,7 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     check_choice("sensors", "sides", sensors.sides, ("both", "motor", "link"))
     if steps > (most := MOST_DELAYED // (4 * max(size, 1))):
         found = f"delay {sensors.delay:g} s is {steps:.4g} control periods of {period} s"
-        rule = f"with {size} drives at most {most} are supported; shorten the delay, or lengthen control_period"
+        rule = f"with {size} drives at most {most} are supported; shorten it (is it in ms?), or lengthen control_period"
         raise InputError(f"sensors: {found}, {rule}", delay=sensors.delay)
     seed = whole("sensors", "seed", sensors.seed, least=0)
     resolution = [one_each(sensors, side + "_resolution", size) for side in ("link", "motor")]

@@ -1,4 +1,4 @@
-"""Inputs of runs, as arrays: sample times, references, rows per period, noise, limits."""
+"""Inputs of runs, as arrays: sample times, references, rows per period, noise."""
 
 from collections.abc import Callable
 

@@ -190,7 +190,7 @@ def _setups(
             rows = once(rows_of, reference, pushed, given=(loop, times, reference, pushed))
             given = (robot, accuracy, substeps, period, start, reference)
             steps = max(steps, once(steps_of, robot, reference, initial, given=given))
-            setups.append(Setup(k, loop, start, commanded, rows, robot.effort_limits))
+            setups.append(Setup(k, loop, start, commanded, rows))
     return setups, steps
 
 

@@ -39,7 +39,7 @@ class Setup:
     """A run before it starts.
 
     number: among all runs.  commanded: motor commands until the first sample, N m.  rows (N, ...) may be shared with
-    other runs; limits of torque, N m.
+    other runs.
     """
 
     number: int
@@ -47,7 +47,6 @@ class Setup:
     start: State
     commanded: Array
     rows: Array
-    limits: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +95,7 @@ class Pack:
         """Regions with the runs' numbers side by side, except rows; those with a row per sample have BUFFER rows."""
         loops = [self._loop(s) for s in self._filled]
         regions = {region.name: region.size for region in loops[0].regions()}
-        own = [first_numbers(x, s.start, s.commanded, s.limits) for x, s in zip(loops, self._filled, strict=True)]
+        own = [first_numbers(x, s.start, s.commanded) for x, s in zip(loops, self._filled, strict=True)]
         memory: dict[str, Array] = {name: np.zeros(size) for name, size in regions.items()}
         for name, numbers in own[0].items():
             memory[name] = numbers if name in loops[0].shared else _beside([x[name] for x in own])
@@ -135,7 +134,7 @@ class Pack:
         """Repeats a failed run alone up to the failure, with all channels: loop, record, number of samples, reason."""
         loop, steps = replace(setup.loop, kept=None), self.steps.number
         noise = noise_of(loop, len(self.times))
-        memory = working_memory(loop, setup.start, setup.commanded, setup.rows, noise, setup.limits, steps)
+        memory = working_memory(loop, setup.start, setup.commanded, setup.rows, noise, steps)
         outcome = run(loop, memory, steps, None)
         return loop, memory["record"], outcome.ticks, outcome.cause
 

@@ -45,18 +45,18 @@ class Outcome(NamedTuple):
 
 
 def working_memory(
-    loop: ClosedLoop, start: State, commanded: Array, rows: Array, noise: Array, limits: Array, substeps: int
+    loop: ClosedLoop, start: State, commanded: Array, rows: Array, noise: Array, substeps: int
 ) -> dict[str, Array]:
     """All regions of the loop at the start of a run; row, noise and record have one row a sample.
 
     commanded: the motors' first commands, N m.
     """
     regions: dict[str, Array] = {region.name: np.zeros(region.size) for region in loop.regions()}
-    regions |= first_numbers(loop, start, commanded, limits) | shared_numbers(loop, substeps)
+    regions |= first_numbers(loop, start, commanded) | shared_numbers(loop, substeps)
     return regions | {"row": rows, "noise": noise, "record": np.empty((len(rows), sum(loop.channels.values())))}
 
 
-def first_numbers(loop: ClosedLoop, start: State, commanded: Array, limits: Array) -> dict[str, Array]:
+def first_numbers(loop: ClosedLoop, start: State, commanded: Array) -> dict[str, Array]:
     """Regions that are not zero at the start of a run, and are its own."""
     driven = loop.robot.machine.drives
     sample = [*start.q[[d.q for d in driven]], *start.theta, *start.v[[d.v for d in driven]], *start.theta_dot]
@@ -66,7 +66,7 @@ def first_numbers(loop: ClosedLoop, start: State, commanded: Array, limits: Arra
     return {
         "state": state, "origin": state.copy(), "total": state.copy(), "torque": torque, "torque_before": torque.copy(),
         "line": line, "positions": positions, "memory": loop.initial_memory(),
-        "parameters": loop.parameters(limits), "law": loop.law_parameters(), "numbers": loop.plant.numbers(),
+        "parameters": loop.parameters(), "law": loop.law_parameters(), "numbers": loop.plant.numbers(),
     }  # fmt: skip
 
 

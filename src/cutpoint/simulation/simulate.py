@@ -101,7 +101,7 @@ def simulate(
     loop, start, commanded = prepared(robot, law, control_period, initial, reference, sensors, channels)
     steps = steps_of(robot, accuracy, substeps, control_period, start, reference)
     rows, noise = rows_of(loop, times, reference, disturbances), noise_of(loop, len(times))
-    memory = working_memory(loop, start, commanded, rows, noise, robot.effort_limits, steps.number)
+    memory = working_memory(loop, start, commanded, rows, noise, steps.number)
     integrate = _integrator(loop, trajectory, accuracy, hold)
     outcome = run(loop, memory, steps.number, integrate)
     settings: dict[str, object] = {"accuracy": accuracy, "substeps": steps.number, "steps_set_by": steps.cause}

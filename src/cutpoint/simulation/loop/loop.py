@@ -95,8 +95,8 @@ class ClosedLoop:
     def _recordable(self) -> dict[str, int]:
         return recordable(self.lengths._asdict(), self.layout.n, self.layout.nv)
 
-    def parameters(self, limits: Array) -> Array:
-        return parameters_of(self.robot, self.encoders, limits, self.period)
+    def parameters(self) -> Array:
+        return parameters_of(self.robot, self.encoders, self.period)
 
     def law_parameters(self) -> Array:
         return law_parameters(self.controller, self.period)
@@ -113,7 +113,7 @@ class ClosedLoop:
             "row": self.layout.row, "measured": 4 * n, "line": 4 * n if self.encoders.delay else 0,
             "positions": 2 * n if self.encoders.differenced else 0,
             "memory": len(leaves(self.memory)), "command": 4 * n + 1, "elapsed": 1,
-            "parameters": len(self.parameters(np.zeros(n))), "law": len(self.law_parameters()),
+            "parameters": len(self.parameters()), "law": len(self.law_parameters()),
             "tableau": TABLEAU.shape[1], "record": sum(self.channels.values()), "fault": 1, "steps": 1,
             "noise": self.layout.noise,
         }  # fmt: skip

@@ -23,9 +23,9 @@ class Given(NamedTuple):
     period: Scalar
 
 
-def parameters_of(robot: Robot, encoders: Encoders, limits: Array, period: float) -> Array:
+def parameters_of(robot: Robot, encoders: Encoders, period: float) -> Array:
     """Numbers of drives, sensors, torque limits, then the control period."""
-    return np.concatenate([robot.drive_parameters, np.array([*leaves(encoders), *limits, period], float)])
+    return np.array([*robot.drive_parameters, *leaves(encoders), *robot.effort_limits, period], float)
 
 
 def with_parameters(robot: Robot, encoders: Encoders, parameters: Scalars) -> Given:
