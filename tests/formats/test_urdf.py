@@ -133,6 +133,14 @@ def test_inertia_of_rotors_that_a_urdf_states_is_not_lost_in_silence(stated: tup
     parse_urdf(text.replace("0.1", "0.0").replace("1e-4", "0"))
 
 
+def test_loops_and_forces_beside_the_tree_are_not_lost_in_silence() -> None:
+    beside = '<loop_joint name="a"/><d:loop_joint name="b"/><d:force_element name="c"/><frame name="d"/>'
+    text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute"), beside)
+    text = text.replace("<robot", '<robot xmlns:d="http://drake.mit.edu"', 1)
+    with pytest.warns(NotCarriedOver, match=r"not carried over: <loop_joint> \(2\); <force_element> \(1\) \("):
+        parse_urdf(text)
+
+
 def test_a_mimic_of_a_joint_that_is_fixed_is_free_or_an_error() -> None:
     fixed = gripper().replace('name="left" type="revolute"', 'name="left" type="fixed"')
     with pytest.warns(MimicWarning, match="mimic joints 'right' .* but the file has no movable leader for 'right'"):

@@ -60,6 +60,11 @@ LINKS = {
         link("arm", None),
         "link 'arm': moves with joint 'elbow' but has no mass and carries none; give it an <inertial> (arm.urdf:3)",
     ),
+    "a tip without inertial": (
+        link("arm") + link("tip", None) + joint("wrist", "arm", "tip", "revolute"),
+        "link 'tip': moves with joint 'wrist' but has no mass and carries none; give it an <inertial>, or hold the"
+        " joint: lock={'wrist': 0.0} (--lock wrist=0) (arm.urdf:3)",
+    ),
     "inertial without tensor": (
         '<link name="arm"><inertial><mass value="1"/></inertial></link>',
         "link 'arm': <inertial> needs a <inertia> (arm.urdf:3)",

@@ -202,7 +202,9 @@ def check_all_bear_mass(bodies: Sequence[Body], places: Places) -> None:
             bears[bodies[index].parent] = True
     empty = [body for body, has_mass in zip(bodies, bears, strict=True) if not has_mass]
     if empty:
-        complaint = f"moves with joint {empty[0].joint.name!r} but has no mass and carries none; give it an <inertial>"
+        joint = empty[0].joint.name
+        hold = f", or hold the joint: lock={{{joint!r}: 0.0}} (--lock {joint}=0)" if any(bears) else ""
+        complaint = f"moves with joint {joint!r} but has no mass and carries none; give it an <inertial>{hold}"
         more = f" (likewise {listed([body.name for body in empty[1:]])})" if len(empty) > 1 else ""
         raise places.error(f"link {empty[0].name!r}", complaint + more, links=[body.name for body in empty])
 

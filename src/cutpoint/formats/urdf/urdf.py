@@ -1,9 +1,11 @@
 """URDF and xacro files to a `Mechanism`.
 
 Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
-transmissions, extensions) is ignored, rotor inertias with a warning; meshes are never opened.
+transmissions, extensions) is ignored, rotor inertias and Drake's closed loops and forces with a warning; meshes are
+never opened.
 """
 
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
@@ -44,6 +46,9 @@ ATTRIBUTES = {
 }
 """Those of which some may be missing."""
 
+OF_DRAKE = ("loop_joint", "force_element", "ball_constraint", "linear_bushing_rpy", "linear_spring_damper")
+"""Elements beside the tree that constrain or push its bodies."""
+
 X_AXIS = (1.0, 0.0, 0.0)
 """Default axis of a joint."""
 
@@ -74,7 +79,8 @@ def load_urdf(
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
     mend_inertia: increase physically impossible inertias until they are possible, with a warning.
     xacro: arguments of a .xacro file, by name.
-    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias, which are left out.
+    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias and of Drake's closed
+    loops and forces, which are left out.
     Raises ModelError, with file and line, for whatever is wrong in the file, for gravity, and for what cannot be
     locked; InputError for other arguments.
     """
@@ -134,9 +140,12 @@ def parse_urdf(
     moving = {body.joint.name for body in mechanism.bodies}
     names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
-    if lost := _lost_rotors(robot, moving):
-        told = f"rotor inertia of joints {listed(lost)}: state rotor and ratio in a drive file"
-        warn(NotCarriedOver([told], place))
+    beside = Counter(child.tag.rpartition("}")[2] for child in robot.children)
+    lost = [f"<{tag}> ({beside[tag]})" for tag in OF_DRAKE if beside[tag]]
+    if rotors := _lost_rotors(robot, moving):
+        lost.append(f"rotor inertia of joints {listed(rotors)}: state rotor and ratio in a drive file")
+    if lost:
+        warn(NotCarriedOver(lost, place))
     return mechanism
 
 
