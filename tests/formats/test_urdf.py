@@ -135,9 +135,11 @@ def test_inertia_of_rotors_that_a_urdf_states_is_not_lost_in_silence(stated: tup
 
 def test_loops_and_forces_beside_the_tree_are_not_lost_in_silence() -> None:
     beside = '<loop_joint name="a"/><d:loop_joint name="b"/><d:force_element name="c"/><frame name="d"/>'
+    beside += '<gazebo><joint name="e" type="revolute"/></gazebo><gazebo reference="arm"><mu1>1</mu1></gazebo>'
     text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute"), beside)
     text = text.replace("<robot", '<robot xmlns:d="http://drake.mit.edu"', 1)
-    with pytest.warns(NotCarriedOver, match=r"not carried over: <loop_joint> \(2\); <force_element> \(1\) \("):
+    told = r"not carried over: <loop_joint> \(2\); <force_element> \(1\); <joint> in <gazebo> \(1\) \("
+    with pytest.warns(NotCarriedOver, match=told):
         parse_urdf(text)
 
 

@@ -67,7 +67,7 @@ LINKS = {
     ),
     "inertial without tensor": (
         '<link name="arm"><inertial><mass value="1"/></inertial></link>',
-        "link 'arm': <inertial> needs a <inertia> (arm.urdf:3)",
+        "link 'arm': <inertial> needs an element <inertia> (arm.urdf:3)",
     ),
     "two inertials": (
         '<link name="arm"><inertial/>\n<inertial/></link>',
@@ -81,6 +81,11 @@ LINKS = {
 
 JOINTS = {
     "no axis": ('<axis xyz="0 0 0"/>', "joint 'elbow': axis [0. 0. 0.] has no length; give it a direction"),
+    "axis for xacro": (
+        '<axis xyz="0 $(optenv Y 1) 0"/>',
+        "joint 'elbow': <axis> xyz '0 $(optenv Y 1) 0' must be three finite numbers; it is for xacro to compute: give"
+        " the file the ending .xacro",
+    ),
     "short axis": ('<axis xyz="0 1"/>', "joint 'elbow': <axis> xyz '0 1' must be three finite numbers"),
     "swapped limits": (
         '<limit lower="1" upper="-1"/>',
@@ -166,7 +171,7 @@ DOCUMENTS = {
     ),
     "no child": (
         robot(link("base"), '<joint name="j" type="fixed"><parent link="base"/></joint>'),
-        "joint 'j': <joint> needs a <child> (arm.urdf:3)",
+        "joint 'j': <joint> needs an element <child> (arm.urdf:3)",
     ),
     "another format": ("<mujoco/>", "the root element of a URDF is <robot>, got <mujoco> (an MJCF file) (arm.urdf:1)"),
     "open element": (

@@ -35,7 +35,7 @@ class Reader:
     def needed(self, tag: str) -> "Reader":
         found = self.child(tag)
         if found is None:
-            raise self.error(f"<{self.element.tag}> needs a <{tag}>")
+            raise self.error(f"<{self.element.tag}> needs an element <{tag}>")
         return found
 
     def text(self, attribute: str) -> str:
@@ -97,4 +97,5 @@ class Reader:
         return np.array([[*row] for row in rotation_of([x / largest for x in quaternion])], dtype=np.float64)
 
     def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:
-        return self.error(f"<{self.element.tag}> {attribute} {text!r} must be {rule}")
+        expanded = "; it is for xacro to compute: give the file the ending .xacro" if "$" in text else ""
+        return self.error(f"<{self.element.tag}> {attribute} {text!r} must be {rule}{expanded}")

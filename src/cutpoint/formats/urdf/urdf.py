@@ -1,8 +1,8 @@
 """URDF and xacro files to a `Mechanism`.
 
 Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
-transmissions, extensions) is ignored, rotor inertias and Drake's closed loops and forces with a warning; meshes are
-never opened.
+transmissions, extensions) is ignored, with a warning what would change the dynamics: rotor inertias, and closed loops
+and forces that Drake or Gazebo would read; meshes are never opened.
 """
 
 from collections import Counter
@@ -79,8 +79,8 @@ def load_urdf(
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
     mend_inertia: increase physically impossible inertias until they are possible, with a warning.
     xacro: arguments of a .xacro file, by name.
-    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias and of Drake's closed
-    loops and forces, which are left out.
+    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias and of closed loops and
+    forces beside the tree, which are left out.
     Raises ModelError, with file and line, for whatever is wrong in the file, for gravity, and for what cannot be
     locked; InputError for other arguments.
     """
@@ -140,13 +140,17 @@ def parse_urdf(
     moving = {body.joint.name for body in mechanism.bodies}
     names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
-    beside = Counter(child.tag.rpartition("}")[2] for child in robot.children)
-    lost = [f"<{tag}> ({beside[tag]})" for tag in OF_DRAKE if beside[tag]]
-    if rotors := _lost_rotors(robot, moving):
-        lost.append(f"rotor inertia of joints {listed(rotors)}: state rotor and ratio in a drive file")
-    if lost:
+    if lost := [*_lost_beside_the_tree(robot), *_lost_rotors(robot, moving)]:
         warn(NotCarriedOver(lost, place))
     return mechanism
+
+
+def _lost_beside_the_tree(robot: Element) -> list[str]:
+    """What would constrain or push its bodies in Drake, and joints of Gazebo's own, which close loops."""
+    found = Counter(child.tag.rpartition("}")[2] for child in robot.children)
+    closing = sum(1 for extension in robot.all("gazebo") for _ in extension.all("joint"))
+    lost = [f"<{tag}> ({found[tag]})" for tag in OF_DRAKE if found[tag]]
+    return lost + ([f"<joint> in <gazebo> ({closing})"] if closing else [])
 
 
 def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
@@ -160,7 +164,8 @@ def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
     for transmission in robot.all("transmission"):
         if any(x.tag.endswith("rotor_inertia") and _is_stated(x, "value") for x in transmission.walk()):
             found += [joint.attributes.get("name", "").strip() for joint in transmission.all("joint")]
-    return [name for name in dict.fromkeys(found) if name in moving]
+    lost = [name for name in dict.fromkeys(found) if name in moving]
+    return [f"rotor inertia of joints {listed(lost)}: state rotor and ratio in a drive file"] if lost else []
 
 
 def _is_stated(element: Element, attribute: str) -> bool:
