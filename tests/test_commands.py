@@ -42,6 +42,8 @@ ELASTIC = """version: 1
 drives: {swing: {ratio: 100, rotor: {inertia: 1.0e-5}, compliance: {linear: {stiffness: 1.0e4}}}}
 """
 
+MOTOR = "ratio: 100, motor: {torque_constant: 0.02, current_limit: 2}"
+
 BAD_PLACES = {
     "a folder that is not there": ("none/run.npz", r"'none/run.npz': folder 'none' does not exist; create it"),
     "a folder": ("folder.npz", r"'folder.npz' is a folder; name a file in it"),
@@ -158,6 +160,14 @@ def test_a_robot_is_saved_with_its_joints_and_drives(tmp_path: Path) -> None:
     assert (drive["compliance"], drive["laws"]) == ({"stiffness": 1e4}, {"compliance": "LinearSpring"})
     assert drive["limits"] == {"lower": None, "upper": None, "velocity": None, "effort": None}
     assert found["gravity"] == [0.0, 0.0, -9.81] and "swing" in found["frames"] and "damping" not in drive
+
+
+def test_an_effort_limit_is_what_the_motor_can_do_with_its_current(tmp_path: Path) -> None:
+    arm, drives = tmp_path / "arm.urdf", tmp_path / "arm.yaml"
+    arm.write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    drives.write_text(ELASTIC.replace("ratio: 100", MOTOR), encoding="utf-8")
+    assert "4 N m" in printed("inspect", str(arm), "--drives", str(drives))
+    assert saved(tmp_path, "inspect", str(arm), "--drives", str(drives))["joints"]["swing"]["effort_limit"] == 4.0
 
 
 @pytest.mark.parametrize("name", OF_COMMANDS)
@@ -340,11 +350,14 @@ def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest
     Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
     beyond = "note: swing goes to 68.75 deg, beyond its limits, -57.3 to 57.3 deg"
     assert beyond in printed("torque", "arm.urdf", "--q", "1.2")
-    assert "note:" not in printed("torque", "arm.urdf", "--q", "0.9")
+    assert "note:" not in printed("torque", "arm.urdf", "--q", "0.9", "--v", "-3")
+    fast = "note: swing moves at up to 177.6 deg/s, above its limit of 171.9 deg/s"
+    assert fast in printed("torque", "arm.urdf", "--q", "0.9", "--v", "-3.1")
     calm = printed("simulate", "arm.urdf", "--to", "0.5", "--duration", "1.0")
     wild = printed("simulate", "arm.urdf", "--to", "1.2", "--duration", "0.25")
     assert "note:" not in calm
     assert re.search(r"note: swing goes to [\d.]+ deg, beyond its limits", wild)
+    assert re.search(r"note: swing moves at up to [\d.]+ deg/s, above its limit of 171.9 deg/s", wild)
     assert re.search(r"note: swing is asked for more than its limit of 10 N m in \d+\.\d% of the samples", wild)
 
 

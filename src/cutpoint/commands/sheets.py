@@ -74,11 +74,12 @@ def _body(robot: Robot, body: Body) -> dict[str, Any]:
     if joint.mimic and robot.mechanism.coupled:
         return {**told, "follows": joint.mimic}
     in_force = robot.limits.get(joint.name, joint.limits)
+    effort = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True)).get(joint.name, in_force.effort)
     return {
         **told,
         "position_limits": [joint.limits.lower, joint.limits.upper],
         "speed_limit": in_force.velocity or np.inf,
-        "effort_limit": in_force.effort or np.inf,
+        "effort_limit": effort or np.inf,
     }
 
 

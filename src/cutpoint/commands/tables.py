@@ -13,7 +13,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import Joint, Limits, Mimic
+from cutpoint.model.mechanism import Joint, Mimic
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-6
-"""rad (m), by which a joint that starts or ends at its limits may exceed them without a note."""
+"""rad (m), and per second, by which a joint that moves to its limits may exceed them without a note."""
 
 
 COLUMNS = ("joint", "kind", "carries", "carried by", "mass / kg", "position limits", "speed limit", "effort limit")
@@ -36,17 +36,19 @@ NOTHING = ("-", "-", "-")
 
 
 def robot_table(robot: Robot, console: Console) -> Table:
-    """Bodies with their joints, masses and limits; the tighter of the robot file's limits and the drive's."""
+    """Bodies with their joints, masses and limits: the tightest of the robot file's, the drive's and its current's."""
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
     stacked.columns[-1].no_wrap = True
     in_force, bodies = robot.limits, robot.mechanism.bodies
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
+    efforts = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
     for body, mass in zip(bodies, masses, strict=True):
         joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
         kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
         carrier = bodies[body.parent].name if body.parent >= 0 else "world"
-        limits = NOTHING if mimic else _in_words(joint, in_force.get(joint.name, joint.limits))
+        own = in_force.get(joint.name, joint.limits)
+        limits = NOTHING if mimic else _in_words(joint, own.velocity, efforts.get(joint.name, own.effort))
         wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
         stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
     return wide if natural_width(wide, console) <= console.width else stacked
@@ -62,10 +64,10 @@ def _following(mimic: Mimic, kind: str) -> str:
     return f"follows {mimic.joint}" + (f"\n{' '.join(parts)}" if parts else "")
 
 
-def _in_words(joint: Joint, in_force: Limits) -> tuple[str, str, str]:
+def _in_words(joint: Joint, speed: float, effort: float) -> tuple[str, str, str]:
     """A joint's own position limits, and the limits in force of speed and effort, where 0 stands for none."""
     factor, length, force = (1.0, "m", "N") if joint.kind == "prismatic" else (180 / np.pi, "deg", "N m")
-    speed, effort = in_force.velocity or np.inf, in_force.effort or np.inf
+    speed, effort = speed or np.inf, effort or np.inf
     return (
         _range(joint.limits.lower, joint.limits.upper, factor, length),
         "-" if np.isinf(speed) else f"{speed * factor:.4g} {length}/s",
@@ -180,9 +182,18 @@ def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
             yield f"{name} goes to {there}, beyond its limits, {_range(own.lower, own.upper, factor, unit)}"
 
 
+def beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
+    """A sentence for each joint that moves faster than files allow; peaks: (n,) rad/s (m/s), not negative."""
+    for name, slides, own, peak in zip(robot.joints, _slides(robot), robot.limits.values(), peaks, strict=True):
+        if peak > own.velocity + ROUNDING:
+            told = f"{_position(peak, slides)}/s, above its limit of {_position(own.velocity, slides)}/s"
+            yield f"{name} moves at up to {told}"
+
+
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for each limit that a run met."""
     yield from beyond_travel(robot, log["q"].min(axis=0), log["q"].max(axis=0))
+    yield from beyond_speed(robot, np.abs(log["v"]).max(axis=0))
     most = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
     for name, share in log.meta.get("over_limit", {}).items():
         unit = "N" if name in robot.mechanism.sliding else "N m"
