@@ -114,6 +114,32 @@ def test_uneven_times_are_resampled_and_said(files: Path, tmp_path: Path):
     assert (found.errors.rms("after", held_out=True) < 0.05 * found.errors.rms("before", held_out=True)).all()
 
 
+@pytest.mark.parametrize("lost", [[], [7, 1200, 1201]])
+def test_stamps_that_scatter_about_even_samples_change_nothing(files: Path, tmp_path: Path, lost: list[int]):
+    kept = np.setdiff1d(np.arange(TIME.size), lost)
+    stamps = 5.0 + TIME + 4e-5 * np.random.default_rng(3).normal(size=TIME.size)
+    clean, scattered = (
+        identify(
+            files / "arm.urdf",
+            write_log(tmp_path / "log.csv", {name: x[kept] for name, x in ({"t": time} | channels()).items()}),
+            drives=files / "rigid.yaml",
+            friction="stated",
+        )
+        for time in (TIME, stamps)
+    )
+    assert any("stamps scatter by 4" in note and "taken as even" in note for note in scattered.notes)
+    assert not any("stamps scatter" in note for note in clean.notes)
+    for a, b in zip(scattered.numbers, clean.numbers, strict=True):
+        assert a.value == pytest.approx(b.value, abs=0.2 * (b.high - b.low)), a.name
+
+
+def test_stamps_of_uneven_samples_are_kept(files: Path, tmp_path: Path):
+    time = uneven(0.05)
+    log = write_log(tmp_path / "log.csv", {"t": time} | channels(time))
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    assert not any("stamps scatter" in note for note in found.notes)
+
+
 def test_currents_count_with_the_drives_torque_constants(files: Path, tmp_path: Path):
     given = channels()
     logs = (given, {"q": given["q"], "current": given["torque"] / 10.0})

@@ -17,6 +17,7 @@ from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
 from cutpoint.identification.joint_units import at_joints, words_at
+from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
@@ -158,7 +159,8 @@ def _read(
 
 
 def _recorded(log: OneLog, mapping: str | Path | Mapping[str, Any] | None, robot: Robot) -> Recording:
-    return _suspected(log, robot) if isinstance(log, Recording) else read_recording(log, mapping, robot)
+    found = _suspected(log, robot) if isinstance(log, Recording) else read_recording(log, mapping, robot)
+    return evenly_stamped(found)
 
 
 def _named(log: OneLog, recording: Recording) -> Recording:
