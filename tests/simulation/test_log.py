@@ -212,6 +212,19 @@ def test_a_plot_of_named_channels_has_an_axis_for_each_joint_and_unit():
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["q", "torque", "q_d", "power"]
 
 
+def test_errors_have_axes_apart_from_positions_which_would_flatten_them():
+    q = np.linspace(0.0, 1.0, 5)[:, None]
+    log = Log(
+        np.arange(5.0),
+        {"q": q, "q_d": q, "position_error": 1e-4 * q},
+        dict.fromkeys(("q", "q_d", "position_error"), "rad"),
+        ("joint",),
+    )
+    positions, errors = log.plot("q", "position_error", "q_d").axes
+    assert (len(positions.lines), len(errors.lines)) == (2, 1)
+    assert errors.get_ylim()[1] < np.degrees(2e-4)
+
+
 def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
     log = example()
     longer = Log([0.0, 9.0], {"q": np.ones((2, 3))}, {"q": log.units["q"]}, log.joints)

@@ -154,7 +154,8 @@ class Log:
     def plot(self, *names: str, beside: "Mapping[str, Log] | None" = None) -> "Figure":
         """A picture, angles in degrees: `log.plot("q", "reference_q").savefig("run.png")`.
 
-        With names, channels of the same unit share one small axis per joint.  Without, each channel has one axis.
+        With names, channels of the same unit share one small axis per joint, and errors another.  Without, each channel
+        has one axis.
         beside: other logs by name, whose named channels are drawn too: `log.plot("position_error", beside={"VDC": b})`.
         Raises InputError for a channel that a log lacks, or logs beside without names of channels.
         """

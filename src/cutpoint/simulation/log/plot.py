@@ -56,12 +56,13 @@ class Words(NamedTuple):
     title: Callable[[Line], str]
 
 
-Axis = tuple[str, str]
-"""A unit, and the joint or channel that shares an axis."""
+Axis = tuple[str, str, bool]
+"""A unit, the joint or channel that shares an axis, and whether it is of errors, which positions would flatten."""
 
 
 def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
-    """One axis per unit and joint for the named channels of all logs; without names, one per channel of the only log.
+    """One axis per unit and joint for the named channels of all logs, apart for errors; without names, one per channel
+    of the only log.
 
     logs: by their names in legends; "" for one that needs none.
     """
@@ -84,7 +85,7 @@ def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[
     later = {words.label(line) for lines in axes.values() for line in lines[1:]} if dashed else set[str]()
     looks = _looks(words.labels)
     drawn: dict[str, Line2D] = {}
-    for cell, ((unit, _), lines) in zip(cells, axes.items(), strict=True):
+    for cell, ((unit, *_), lines) in zip(cells, axes.items(), strict=True):
         axis, title = figure.add_subplot(down, across, cell + 1), words.title(lines[0])
         drawn = _draw(axis, [(words.label(line), line) for line in lines], looks, later) | drawn
         axis.set_title(f"{title} [{unit}]" if unit else title, parse_math=False)
@@ -152,7 +153,8 @@ def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[Axis, list[Line
             for column, (joint, unit) in enumerate(log.columns(name)):
                 shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
                 line = Line(run, name, joint, log.time, factor * values[:, column])
-                axes.setdefault((shown, (joint if names else "") or name), []).append(line)
+                is_error = name.endswith("_error")
+                axes.setdefault((shown, (joint if names else "") or name, is_error), []).append(line)
     return {key: lines for key, lines in axes.items() if not all(np.isnan(line.values).all() for line in lines)}
 
 
