@@ -41,7 +41,7 @@ UPRIGHT = np.zeros(2)
 LEANING = np.array([0.8, -0.5])
 
 HOLDS = {
-    PD: 40, PID: 20, ComputedTorque: 40, ElasticComputedTorque: 20, FullStateFeedback: 20, VDC: 20, AdaptiveVDC: 8,
+    PD: 40, PID: 20, ComputedTorque: 40, ElasticComputedTorque: 40, FullStateFeedback: 20, VDC: 20, AdaptiveVDC: 8,
     SlotineLi: 40, Robust: 40, SuperTwisting: 5,
 }  # fmt: skip
 """Hz that are still accepted."""
@@ -71,7 +71,7 @@ def rate(log: Log, seconds: float = 0.25) -> float:
 def test_a_law_that_tune_accepts_lets_a_small_push_die_away(kind, share):
     options = {"root_gain": 0.05, "twist": 0.05} if kind is SuperTwisting else {}
     x = size(pushed(tune(elbow(), HOLDS[kind] * share, kind, **options), 2.0))
-    assert x.max() < 100 * x[0]  # four poles at 2 Hz carry a motor's push a long way
+    assert x.max() < 20 * x[0]
     assert np.isfinite(x).all() and x[-500:].max() < x[:500].max()
 
 

@@ -31,6 +31,14 @@ class Design(NamedTuple):
     def stiffness(self) -> Array:
         return self.inertia * self.omega**2
 
+    @property
+    def resonance(self) -> Array:
+        """Natural frequency, rad/s, of each elastic drive's rotor against its link, with the spring under its load."""
+        drives = self.robot.drives.values()
+        springs = [drive.compliance for drive in drives]
+        stiffness = [float(x.tangent(x.deflection(load))) for x, load in zip(springs, self.weight, strict=True) if x]
+        return np.sqrt(np.array(stiffness) * (1 / self.link + 1 / self.rotor))
+
 
 def design_of(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Design:
     """Inputs of gain design: omega, rad/s; damping, a ratio; period, s."""

@@ -23,6 +23,10 @@ from cutpoint.model.drive import Drive
 
 Array = NDArray[np.float64]
 
+FASTEST, DAMPED = 0.6, 0.7
+"""Of the springs' own poles in the closed loop: the most radians in a control period, beyond which sampling would
+excite them, and their damping ratio."""
+
 INTEGRAL = 0.25
 """Of the natural frequency of PID's pair of poles: where its third pole lies."""
 
@@ -73,11 +77,17 @@ def _full_state(w: Design, **options: Any) -> FullStateFeedback:
     return FullStateFeedback(w.robot, w.stiffness, damping, **{"lead": w.period, **options})
 
 
+def _elastic_computed_torque(w: Design, **options: Any) -> ElasticComputedTorque:
+    """Springs are damped where they resonate: moving them far takes feedback that cancels the springs."""
+    frequency = np.maximum(np.minimum(w.resonance, FASTEST / w.period), 2 * w.omega)
+    return ElasticComputedTorque(w.robot, w.omega, **{"frequency": frequency, "damping": DAMPED, **options})
+
+
 RECIPES: dict[Any, Callable[..., Any]] = {
     PD: _pd,
     PID: _pid,
     ComputedTorque: lambda w, **o: ComputedTorque(w.robot, w.omega**2, 2 * w.damping * w.omega, **o),
-    ElasticComputedTorque: lambda w, **o: ElasticComputedTorque(w.robot, 2 * w.omega, **o),
+    ElasticComputedTorque: _elastic_computed_torque,
     FullStateFeedback: _full_state,
     VDC: lambda w, **o: _vdc(w, VDC, **o),
     AdaptiveVDC: _adaptive_vdc,

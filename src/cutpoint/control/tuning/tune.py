@@ -70,8 +70,8 @@ def tune(
     ComputedTorque and FullStateFeedback, each joint alone; coupling between an arm's joints reduces it.
     FullStateFeedback is as stiff as PD; shaping the inertia makes it faster by sqrt(whole / reduced inertia).  Laws
     with v_r = v_d + Lambda (q_d - q) are critically damped, with Lambda = 2 pi bandwidth; adaptation rates leave them
-    a damping of 0.5, see `learning_rates`.  ElasticComputedTorque has four equal poles at twice that, for
-    undamped springs and in the limit of short periods.  options go to the law.
+    a damping of 0.5, see `learning_rates`.  ElasticComputedTorque has two poles there, and two at the spring's
+    resonance, or as near as the control period allows, for undamped springs.  options go to the law.
     sensors: their delay and differenced speeds count in the stability check, not in the gains; perfect if not given.
 
     Raises:
