@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from linear_oracles import by_differences, fully_coupled, sprung, wheel, with_springs_of_their_own
 from scipy.linalg import eigh, eigvals
 
-from cutpoint import Drive, Harmonic, InputError, KinematicError, LinearSpring, Rotor
+from cutpoint import Drive, Harmonic, InputError, KinematicError, LinearSpring, MaxwellSlip, Rotor, State, simulate
 from cutpoint.analysis import Modes
+from cutpoint.control import Command
 from random_trees import tree_of_every_kind
 from robot_library import Array, Robot, assert_close, derivative, robot, states
 
@@ -21,6 +22,10 @@ positive = st.floats(-1.0, 1.0).map(lambda x: 10.0**x)
 def ringing(poles: Array, count: int) -> Array:
     """The `count` fastest of what oscillates, Hz."""
     return np.sort(np.abs(poles[poles.imag > 1e-6 * np.abs(poles).max()]))[-count:] / (2 * np.pi)
+
+
+def hold_still(memory, measurement, reference):
+    return memory, Command(np.zeros(1))
 
 
 @pytest.mark.parametrize("friction", [False, True])
@@ -189,3 +194,17 @@ def test_swinging_under_its_weight_is_no_mode_of_a_drive_with_kinematic_error():
         found = arm.modes(q)
         assert len(found.frequencies) == 6
         assert found.frequencies.min() > 20.0
+
+
+def test_hysteresis_that_sticks_raises_the_frequency_by_what_is_said():
+    elements = MaxwellSlip((3e3, 1e3), (1e-4, 2e-4))
+    arm = WHEEL.with_drives({"axle": Drive(1.0, Rotor(0.5), LinearSpring(5e3), hysteresis=elements)})
+    found = arm.modes([0.0])
+    assert found.stiffening == pytest.approx(1.8)
+    assert found.remark.endswith("it makes springs up to 1.80 times as stiff, and frequencies higher")
+    wound = State(np.zeros(1), np.zeros(1), np.array([1e-6]), np.zeros(1))  # rad, a hundredth of what lets them slip
+    log = simulate(arm, hold_still, duration=0.5, initial=wound, control_period=1e-4, hold=True)
+    deflection = (log["theta"] - log["q"])[:, 0]
+    crossings = log.time[1:][np.diff(np.sign(deflection)) > 0]
+    rung = 1 / np.diff(crossings).mean()
+    assert rung == pytest.approx(np.sqrt(1.8) * found.frequencies[0], rel=1e-3)

@@ -11,6 +11,7 @@ from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
+from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot, checked_pose
 
@@ -46,6 +47,7 @@ class Modes:
         poles: (N,) all eigenvalues of model.A, 1/s.
         model: the underlying linear model.
         elastic: number of elastic drives, which is the number of modes without damping.
+        stiffening: how many times as stiff a spring is, at most, while its hysteresis elements stick; 1 without any.
     """
 
     frequencies: Array
@@ -56,6 +58,7 @@ class Modes:
     poles: ComplexArray
     model: LinearModel
     elastic: int
+    stiffening: float
 
     def joints_of(self, mode: int) -> dict[str, float]:
         """Joints whose drives have at least a tenth of a mode's spring energy, with their shares, the largest first."""
@@ -70,12 +73,16 @@ class Modes:
 
     @property
     def remark(self) -> str:
-        """A sentence about modes missing from the list; empty if none are."""
+        """What the list lacks: modes, and hysteresis; empty if it lacks nothing."""
         if not self.elastic:
             return "no drive bends, so there are no drive modes: state a compliance in the drive file"
         missing = self.elastic - len(self.frequencies)
         slow = f", or are slower than {STANDSTILL:g} of the fastest pole"
-        return f"{missing} of {self.elastic} drive modes are overdamped{slow}" if missing > 0 else ""
+        told = [f"{missing} of {self.elastic} drive modes are overdamped{slow}"] if missing > 0 else []
+        if self.stiffening > 1:
+            faster = f"springs up to {self.stiffening:.2f} times as stiff, and frequencies higher"
+            told.append(f"hysteresis is left out: in motions too small to make it slip, it makes {faster}")
+        return "; ".join(told)
 
     def __repr__(self) -> str:
         lines = []
@@ -111,7 +118,15 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
         poles=poles,
         model=model,
         elastic=sum(drive.is_elastic for drive in robot.drives.values()),
+        stiffening=max((_stiffening(drive) for drive in robot.drives.values()), default=1.0),
     )
+
+
+def _stiffening(drive: Drive) -> float:
+    """How many times as stiff an unloaded spring is while all its hysteresis elements stick; 1 without any."""
+    if drive.compliance is None or drive.hysteresis is None:
+        return 1.0
+    return 1.0 + float(sum(drive.hysteresis.stiffness) / drive.compliance.tangent(0.0))
 
 
 def _eigen(model: LinearModel) -> tuple[ComplexArray, ComplexArray]:

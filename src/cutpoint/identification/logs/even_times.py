@@ -42,6 +42,8 @@ def _even(time: Array) -> Array | None:
     """Multiples of a period nearest to times (N,), or None if some are far from all."""
     steps = np.diff(time)
     single = np.abs(steps / np.median(steps) - 1.0) < 2.0 * SCATTER
+    if not single.any():
+        return None
     count = np.concatenate([[0.0], np.cumsum(np.round(steps / steps[single].mean()))])
     slope, start = np.polyfit(count, time, 1)
     found = start + slope * count
