@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import Coulomb, InputError, Log, Robot, Rotor, Sensors, SimulationError, simulate
+from cutpoint import Coulomb, InputError, Log, Robot, Rotor, Sensors, SimulationError, robots, simulate
 from cutpoint.control import (
     PD,
     PID,
@@ -20,12 +20,14 @@ from cutpoint.control import (
     DisturbanceObserver,
     ElasticComputedTorque,
     Feedforward,
+    FragileWarning,
     FullStateFeedback,
     Guard,
     Law,
     Robust,
     SlotineLi,
     SuperTwisting,
+    margins,
     slowest_pole,
     tune,
 )
@@ -293,3 +295,15 @@ def test_a_shorter_period_is_advised_where_it_helps(kind, helps):
 def test_a_control_period_in_milliseconds_is_told_in_seconds():
     with pytest.raises(InputError, match=r"a control_period of 0\.001 s holds"):
         tune(elbow(), 2.0, control_period=1.0)
+
+
+def test_gains_that_hardly_hold_are_said_with_what_margins_finds():
+    arm = robots.xia2019()
+    with pytest.warns(
+        FragileWarning, match="PD holds at this pose, but hardly: the loop of 'joint2' amplifies"
+    ) as told:
+        law = tune(arm, 8.0, damping=1.0)
+    found = margins(arm, law, np.zeros(6), PERIOD)
+    said = re.search(r"disturbances ([\d.]+) times", str(told[0].message))
+    assert said and float(said[1]) == pytest.approx(found.sensitivity.max(), rel=0.05)
+    assert found.gain.min() < 1.12

@@ -16,6 +16,7 @@ from cutpoint.control.laws.super_twisting import SuperTwisting
 from cutpoint.control.laws.vdc import VDC
 from cutpoint.control.stability.margins import Margins, margins
 from cutpoint.control.stability.sampled_loop import SampledPole, slowest_pole
+from cutpoint.control.tuning.holding import FragileWarning
 from cutpoint.control.tuning.tune import tune
 from cutpoint.control.wrappers.disturbance_observer import DisturbanceObserver
 from cutpoint.control.wrappers.guard import Fault, Guard
@@ -33,6 +34,7 @@ __all__ = [
     "ElasticComputedTorque",
     "Fault",
     "Feedforward",
+    "FragileWarning",
     "FullStateFeedback",
     "GravityCompensation",
     "Guard",

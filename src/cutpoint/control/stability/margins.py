@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.control.interface import Control
 from cutpoint.control.sensors import Sensors
-from cutpoint.control.stability.sampled_loop import sampled_loop
+from cutpoint.control.stability.sampled_loop import SampledLoop, sampled_loop
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 
@@ -24,6 +24,9 @@ AROUND_POLES = np.geomspace(1e-8, 0.3, 24)
 
 AT_REST = np.array([1e-8, 1e-7])
 """Two frequencies so low that L is as at rest, unless it is infinite there."""
+
+COARSE = np.geomspace(1e-4, np.pi, 100)
+"""Frequencies at which a peak is sought quickly, with those of the closed loop's poles; rad a sample."""
 
 NOTHING = 1e-6
 """A gain that is less: L is infinite there."""
@@ -85,6 +88,19 @@ def margins(
     return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T)
 
 
+def peak_sensitivity(loop: SampledLoop) -> Array:
+    """`Margins.sensitivity` (n,) of a stable loop, to some per cent: the peak of 1 + command (z - closed)^-1 into."""
+    from scipy.linalg import schur  # slow to import
+
+    triangular: Any = schur(loop.closed, output="complex")
+    A, Q = triangular
+    at_poles = np.maximum(np.abs(np.angle(np.diag(A))), COARSE[0])
+    turns = np.concatenate([COARSE, at_poles])
+    into, command = Q.conj().T @ loop.into, loop.command @ Q
+    columns = zip(into.T, command, strict=True)
+    return np.array([np.abs(1 + c @ _solved(A, b, turns)).max() for b, c in columns])
+
+
 class _Cut:
     """One loop cut at its command: L(z) = c (z - A)^-1 b, with z = exp(i turn); marginally stable where L = -1.
 
@@ -107,12 +123,9 @@ class _Cut:
         self.L = self.at(self.turns)
 
     def at(self, turns: Array) -> Complex:
-        """L at all turns at once, by back substitution with a triangular A."""
-        z, x = np.exp(1j * turns), np.zeros((len(self._b), len(turns)), complex)
-        with np.errstate(divide="ignore", invalid="ignore"):  # at a pole itself
-            for k in reversed(range(len(x))):
-                x[k] = (self._b[k] + self._A[k, k + 1 :] @ x[k + 1 :]) / (z - self._A[k, k])
-            return self._c @ x
+        """L at all turns at once."""
+        with np.errstate(invalid="ignore"):
+            return self._c @ _solved(self._A, self._b, turns)
 
     def crossings(self, height: Callable[[Complex], Any]) -> Array:
         """Turns where this function of L changes sign, by bisection."""
@@ -137,6 +150,15 @@ class _Cut:
                 falls = np.abs(1 + self.at(low + third)) > np.abs(1 + self.at(high - third))
                 low, high = np.where(falls, low + third, low), np.where(falls, high, high - third)
             return float(np.nanmin([*np.abs(1 + self.at((low + high) / 2)), distances.min()]))
+
+
+def _solved(A: Complex, b: Complex, turns: Array) -> Complex:
+    """(z - A)^-1 b, (n, turns), by back substitution with a triangular A."""
+    z, x = np.exp(1j * turns), np.zeros((len(b), len(turns)), complex)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at a pole itself
+        for k in reversed(range(len(x))):
+            x[k] = (b[k] + A[k, k + 1 :] @ x[k + 1 :]) / (z - A[k, k])
+    return x
 
 
 def _crossings(A: Array, b: Array, c: Array) -> Array:

@@ -88,7 +88,11 @@ def slowest_pole(
         ModelError: a joint can move without moving any inertia.
         TraceError: the law is a user's own, and cannot be compiled.
     """
-    loop = sampled_loop("slowest_pole", robot, law, q, control_period, sensors)
+    return slowest_of(sampled_loop("slowest_pole", robot, law, q, control_period, sensors), control_period)
+
+
+def slowest_of(loop: SampledLoop, control_period: float) -> SampledPole:
+    """See `slowest_pole`."""
     poles, shapes = np.linalg.eig(loop.closed)
     model, worst = loop.robot, int(np.abs(poles).argmax())
     moves = np.abs(model.C @ shapes[: len(model.states), worst])
@@ -154,7 +158,7 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     n, delayed = encoders.size, 4 * encoders.size * encoders.delay
     kept = delayed + (2 * n if encoders.differenced else 0)
     if kept > MOST_REMEMBERED:
-        rule = f"{kept} delayed numbers are too many to compute poles with, at most {MOST_REMEMBERED}"
+        rule = f"{kept} delayed numbers are too many to compute poles with, at most {MOST_REMEMBERED}; is it in ms?"
         raise InputError(f"{function}: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
     order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
 

@@ -1,13 +1,15 @@
 """Whether a law holds a robot at a pose, and what would help if it does not."""
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.callers import warn
 from cutpoint.control.sensors import Sensors
-from cutpoint.control.stability.sampled_loop import SampledPole, slowest_pole
+from cutpoint.control.stability.margins import peak_sensitivity
+from cutpoint.control.stability.sampled_loop import SampledPole, sampled_loop, slowest_of
 from cutpoint.control.tuning.design import design_of
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Sliding
@@ -16,6 +18,9 @@ from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+
+STEADY = 1 + 1e-9
+"""The largest pole of what does not grow: an adaptive law's parameters stay where they are."""
 
 STOPPED = 1.0
 """Nepers a second: what grows more slowly may be left to dry friction, which the linear plant lacks."""
@@ -35,11 +40,27 @@ SHORTER = 4
 LONG = 0.1
 """s: a control period as long may be meant in ms."""
 
+FRAGILE = 10.0
+"""Times that a loop amplifies disturbances at most: a torque that is 11 % larger may then make it unstable."""
+
 CHANGES = {"width": "wider", "rate": "lower", "body_rate": "lower", "joint_rate": "lower", "shaping": "nearer to 1"}
 """What may help of what only some laws have."""
 
 LIGHT = 0.05
 """Of a link's inertia at its joint: few rotors have less, with their motors."""
+
+
+class FragileWarning(UserWarning):
+    """A law holds a robot at a pose, but hardly."""
+
+
+class _Answer(NamedTuple):
+    """pole: the slowest.  is_held: it decays, or grows so slowly that friction stops it.  peaks: the sensitivity of
+    each joint's loop, zeros if the pole grows."""
+
+    pole: SampledPole
+    is_held: bool
+    peaks: Array
 
 
 def check_holds(
@@ -52,20 +73,28 @@ def check_holds(
 ) -> None:
     """Raises InputError if the law cannot hold the robot at q when it acts every period (s): see `slowest_pole`.
 
+    Warns, FragileWarning, if it does, but amplifies disturbances by more than FRAGILE.
     Poles that grow slowly are left to dry friction, if all drives have enough: see `_stopped`.
     others: bandwidths, Hz, and a function that makes a law of each, to search for a remedy.
     """
-    worst = slowest_pole(robot, law, q, period, sensors=sensors)
     stopped = _stopped(robot, q)
-    if _is_held(worst, period, stopped):
-        return
+
+    def answer(law: Any, period: float) -> _Answer:
+        loop = sampled_loop("tune", robot, law, q, period, sensors)
+        pole = slowest_of(loop, period)
+        is_held = pole.size <= STEADY or np.log(pole.size) / period <= stopped
+        return _Answer(pole, is_held, peak_sensitivity(loop) if pole.size <= STEADY else np.zeros(len(robot.drives)))
 
     def would_hold(law: Any, period: float) -> bool:
         try:
-            return _is_held(slowest_pole(robot, law, q, period, sensors=sensors), period, stopped)
+            found = answer(law, period)
         except InputError:  # the period is shorter than a motor's delay
             return False
+        return found.is_held and found.peaks.max() <= FRAGILE
 
+    worst, is_held, peaks = answer(law, period)
+    if is_held:
+        return _warn_if_fragile(robot, law, peaks)
     growth = np.log(worst.size) / period
     moves = f"swing at {worst.frequency:.1f} Hz" if worst.frequency > CREEPING else "run away"
     what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
@@ -82,6 +111,14 @@ def check_holds(
     raise InputError(told, joint=worst.joint, pole=worst)
 
 
+def _warn_if_fragile(robot: Robot, law: Any, peaks: Array) -> None:
+    k = int(peaks.argmax())
+    if peaks[k] > FRAGILE:
+        found = f"the loop of {robot.joints[k]!r} amplifies disturbances {peaks[k]:.3g} times, 2 or 3 is usual"
+        told = f"{type(law).__name__} holds at this pose, but hardly: {found}; try another bandwidth, and see margins"
+        warn(f"tune: {told}", FragileWarning)
+
+
 def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
     """A remedy if the joint's rotor inertia is nearly zero, like that of a gear without its motor."""
     k = robot.joints.index(joint)
@@ -90,11 +127,6 @@ def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
         return []
     felt = f"{joint!r} has a rotor of {found.rotor[k]:.2g} kg m2 at the joint, under {found.link[k]:.2g} of the link"
     return [f"{felt}: a catalogue gear's is without its motor, whose inertia belongs into it"]
-
-
-def _is_held(pole: SampledPole, period: float, stopped: float) -> bool:
-    """Whether the pole decays, or grows so slowly that friction stops it."""
-    return pole.size <= 1 + 1e-9 or np.log(pole.size) / period <= stopped
 
 
 def _stopped(robot: Robot, q: Array) -> float:
