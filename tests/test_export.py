@@ -478,4 +478,4 @@ def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: P
     text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
     (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous \*/", text)
     assert float.fromhex(found) == arm.drives["joint2"].link_friction.viscous
-    assert "a step of Guard for xia2019, no limits but the guard's" in text
+    assert "a step of Guard(PD + Feedforward) for xia2019, no limits but the guard's" in text

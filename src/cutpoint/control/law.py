@@ -187,6 +187,13 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
+def structure_of(law: Controller) -> str:
+    """A law in words, as `Guard(SpeedFilter(PD + Feedforward))`."""
+    if isinstance(law, Sum):
+        return " + ".join(map(structure_of, law.parts))
+    return f"{type(law).__name__}({structure_of(law.law)})" if isinstance(law, Wrapper) else name_of(law)
+
+
 def check_drives(law: Controller, joints: Sequence[str]) -> None:
     """Raises InputError if a law, or one of its parts, is for another number of drives, or models a robot with other
     joints."""

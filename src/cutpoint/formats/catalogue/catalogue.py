@@ -68,7 +68,7 @@ def unknown_gear(name: str) -> str:
     names = catalogue_names()
     near = close_to(name, names)
     told = f"did you mean {' or '.join(map(repr, near))}?" if near else those_that_exist(name, names)
-    return f"the catalogue has no {name!r}; {told} (cutpoint drive lists them)"
+    return f"the catalogue has no {name!r}; {told} (cutpoint drive lists them; state others by their data sheets)"
 
 
 @cache
