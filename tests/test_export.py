@@ -84,7 +84,7 @@ def test_a_law_exports_in_single_precision(arm: cutpoint.Robot, tmp_path: Path) 
     assert run(tmp_path)[0] == 0
     header = (tmp_path / "control_step.h").read_text()
     assert f"static const float control_step_memory[{law_memory(law).size}]" in header and "double" not in header
-    assert f"{float(np.float32(PERIOD)).hex()}f, /* control period, s */" in header
+    assert f"{float(np.float32(PERIOD)).hex()}f, /* control period, s: 0.001 */" in header
 
 
 def test_a_guard_needs_a_clock_that_single_precision_has_not(arm: cutpoint.Robot, tmp_path: Path) -> None:
@@ -112,7 +112,7 @@ def test_a_laws_memory_has_labels(arm: cutpoint.Robot, tmp_path: Path) -> None:
     law = Guard(arm, Integrating(), torque_limit=200.0)
     export_controller(arm, law, tmp_path, control_period=PERIOD)
     header = (tmp_path / "control_step.h").read_text()
-    labels = re.findall(r"/\* (memory [^*]+) \*/", header)
+    labels = re.findall(r"/\* (memory [^*:]+): \S+ \*/", header)
     assert len(labels) == len(set(labels)) == law_memory(law).size
     assert {"memory time", "memory fault", "memory torque[5]", "memory inner integral[5]", "memory inner samples"} <= {
         *labels
@@ -132,7 +132,7 @@ def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cu
     export_function(arm, "elastic_inverse_dynamics", tmp_path, name="feed")
     header = (tmp_path / "feed.h").read_text()
     assert "in   jerk: 6, rad/s3 (m/s3): joint1, joint2, joint3, joint4, joint5, joint6" in header
-    assert "out  motor_torque: 6, N m (N): joint1" in header and "/* joint3 compliance stiffness */" in header
+    assert "out  motor_torque: 6, N m (N): joint1" in header and "/* joint3 compliance stiffness: 10000 */" in header
     numbers = re.findall(r"^  (\S+), /\*", header, re.MULTILINE)
     plain = [x.replace("(double)", "").strip("()").lower() for x in numbers]
     values = [float(x) if "inf" in x else float.fromhex(x) for x in plain]
@@ -183,7 +183,7 @@ def test_an_exported_law_checks_itself_and_holds_its_memory(arm: cutpoint.Robot,
     build(tmp_path, "law.c", "law_check.c", "-o", "check", flags=(*STRICT, "-O0"))
     assert run(tmp_path)[0] == 0
     header = (tmp_path / "law.h").read_text()
-    assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s */" in header
+    assert "static const double law_memory[7]" in header and f"{PERIOD.hex()}, /* control period, s: 0.001 */" in header
 
 
 class Descending:
@@ -476,6 +476,6 @@ def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: P
     law = Guard(arm, PD([1.0] * 6, [1.0] * 6) + Feedforward(arm))
     export_controller(arm, law, tmp_path, control_period=PERIOD, name="law")
     text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
-    (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous \*/", text)
+    (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous: [\d.]+ \*/", text)
     assert float.fromhex(found) == arm.drives["joint2"].link_friction.viscous
     assert "a step of Guard(PD + Feedforward) for xia2019, no limits but the guard's" in text

@@ -100,7 +100,7 @@ def values(name: str, notes: Notes, precision: Precision) -> str:
     arrays = []
     for argument, (numbers, labels) in notes.values.items():
         pairs = zip(numbers, labels, strict=True)
-        rows = [f"  {c99.number(float(x), precision)}, /* {comment(label)} */" for x, label in pairs]
+        rows = [f"  {c99.number(float(x), precision)}, /* {comment(label)}: {x:.6g} */" for x, label in pairs]
         arrays.append(f"static const {precision.c} {name}_{argument}[{len(rows)}] = {{\n" + "\n".join(rows) + "\n};\n")
     return "\n".join(["", "#include <math.h>", "", *arrays]) if arrays else ""
 
