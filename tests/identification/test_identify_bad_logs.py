@@ -49,6 +49,18 @@ def test_what_looks_wrong_is_in_the_report(files: Path, tmp_path: Path, changed:
     assert note in " ".join((tmp_path / "out" / "report.html").read_text().split())
 
 
+def test_what_makes_the_result_doubtful_comes_first(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", elbow("torque", lambda x: -x))
+    status, text = run(files, log, tmp_path / "out")
+    doubt = "elbow: the model misses its torque by"
+    assert status == 0 and "is the sign of the torque or of the position reversed?" in text
+    assert 0 < text.find(f"warning: {doubt}") < text.find("not identified: ")
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert (
+        report.find("What makes the result doubtful:") < report.find(doubt) < report.find("What this log cannot tell:")
+    )
+
+
 def test_a_joint_that_stood_still_is_not_told(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", elbow("q", lambda x: np.full_like(x, 0.3)))
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml")

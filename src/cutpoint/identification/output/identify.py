@@ -181,7 +181,8 @@ def _identification(
     """All results, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
-    words += [*warnings_of(errors, at_joints(after, "N m")), *_one_sided(before, recording)]
+    doubts = warnings_of(errors, at_joints(after, "N m"))
+    words += _one_sided(before, recording)
     return Identification(
         robot=after,
         before=before,
@@ -193,7 +194,8 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
+        notes=(*doubts, *found.notes, *rigid.notes, *map(str, rigid.friction), *words),
+        doubts=len(doubts),
     )
 
 

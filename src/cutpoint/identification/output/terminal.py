@@ -31,10 +31,15 @@ def table_of(found: Identification) -> Table:
 
 
 def sentences(found: Identification) -> list[str]:
-    """What is undetermined, and what was done or looks wrong, a line each; the report has all of it."""
+    """What makes the result doubtful, what is undetermined and what was done, a line each; the report has all of it."""
     # hysteresis, which few logs determine, last
     untold = [f"not identified: {words}" for words in sorted(found.untold, key=lambda words: "hysteresis" in words)]
     if len(untold) > SHOWN:
         untold[SHOWN - 1 :] = [f"not identified: {len(untold) - SHOWN + 1} more numbers, see the report"]
     choices = {str(choice) for choice in found.rigid.friction}
-    return [*untold, *(f"note: {words}" for words in found.notes if words not in choices)]
+    doubts, notes = found.notes[: found.doubts], found.notes[found.doubts :]
+    return [
+        *(f"warning: {words}" for words in doubts),
+        *untold,
+        *(f"note: {words}" for words in notes if words not in choices),
+    ]
