@@ -187,7 +187,7 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
-def structure_of(law: Controller) -> str:
+def structure_of(law: Any) -> str:
     """A law in words, as `Guard(SpeedFilter(PD + Feedforward))`."""
     if isinstance(law, Sum):
         return " + ".join(map(structure_of, law.parts))
