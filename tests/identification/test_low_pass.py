@@ -79,6 +79,17 @@ def test_the_default_cut_off_keeps_the_harmonics_of_a_motion_however_often_it_is
     assert np.abs(smooth - q)[middle].max() < 1e-4 * np.sqrt(2.0 * cutoff * PERIOD)
 
 
+@pytest.mark.parametrize(("between", "is_motion"), [(3e-5, True), (0.0, False)])
+def test_a_resonance_is_motion_if_what_links_it_to_the_rest_exceeds_the_noise(between: float, is_motion: bool):
+    t, rng = PERIOD * np.arange(20_000), np.random.default_rng(4)
+    slow, ringing = 0.5 * np.sin(2.0 * np.pi * 0.4 * t), 2e-4 * np.sin(2.0 * np.pi * 32.0 * t)
+    white = rng.standard_normal(t.size)
+    weak = low_pass(white, PERIOD, 30.0) - low_pass(white, PERIOD, 4.0)
+    link = between * np.nan_to_num(weak) / np.nanstd(weak)
+    cutoff = noise_cutoff(slow + ringing + link + 1e-5 * rng.standard_normal(t.size), PERIOD)
+    assert (cutoff > 32.0) == is_motion
+
+
 def test_noise_alone_has_no_cut_off_but_the_one_that_is_given():
     noise = np.random.default_rng(8).standard_normal((4000, 1))
     with pytest.raises(InputError, match=r"no column stands out from its noise over 64 samples or more"):

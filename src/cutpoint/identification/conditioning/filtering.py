@@ -173,18 +173,20 @@ def _cutoff(x: Array, period: float) -> float:
     peak, highest = int(np.argmax(power)), HIGHEST / period
     quiet = np.flatnonzero(~loud[peak:])
     cutoff = max(float(frequencies[peak + quiet[0]]), LOWEST_CYCLES / (x.size * period)) if quiet.size else highest
-    lines = _lines(power > CLEAR * floor, peak)
+    lines = _lines(loud, power > CLEAR * floor, peak)
     motion, at = power[lines] * frequencies[1], frequencies[lines]
     while cutoff < highest and _lost(motion, at / cutoff) > LOSS * floor * cutoff:
         cutoff *= FINER
     return min(cutoff, highest)
 
 
-def _lines(clear: NDArray[np.bool_], peak: int) -> NDArray[np.intp]:
-    """Clear bins of a spectrum from the peak on, each at less than APART times the frequency of the one before."""
-    found = np.flatnonzero(clear)
+def _lines(loud: NDArray[np.bool_], clear: NDArray[np.bool_], peak: int) -> NDArray[np.intp]:
+    """Clear bins of a spectrum up to the end of the motion: from the peak on, each loud bin is at less than APART times
+    the frequency of the one before."""
+    found = np.flatnonzero(loud)
     gaps = np.flatnonzero((found[1:] > APART * (found[:-1] + 1)) & (found[:-1] >= peak))
-    return found[: gaps[0] + 1] if gaps.size else found
+    end = found[gaps[0]] if gaps.size else found[-1]
+    return np.flatnonzero(clear[: end + 1])
 
 
 def _lost(power: Array, ratios: Array) -> float:
