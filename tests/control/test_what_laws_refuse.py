@@ -171,6 +171,10 @@ REFUSED = {
         lambda: ElasticComputedTorque(robot("rigid"), 10.0),
         r"ElasticComputedTorque: the drive of 'joint1' is rigid; give it a compliance and a rotor, or",
     ),
+    "elastic computed torque tuned for a rigid drive": (
+        lambda: tune(robot("mixed"), 5.0, ElasticComputedTorque),
+        r"ElasticComputedTorque: the drive of '.*' is rigid; give it a compliance and a rotor, or",
+    ),
     "shaping that makes rotors heavier": (
         lambda: FullStateFeedback(elbow(), 9.0, 1.0, 1.5),
         r"FullStateFeedback: shaping \[1.5 1.5\] must be at most 1",

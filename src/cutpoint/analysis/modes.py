@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.functions.rotor_coupling import rotor_coupling
+from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
@@ -123,10 +124,11 @@ def modes(robot: Robot, q: ArrayLike, *, friction: bool = False) -> Modes:
 
 
 def _stiffening(drive: Drive) -> float:
-    """How many times as stiff an unloaded spring is while all its hysteresis elements stick; 1 without any."""
-    if drive.compliance is None or drive.hysteresis is None:
+    """How many times as stiff an unloaded spring, without play, is while all its hysteresis elements stick."""
+    spring = spring_of(drive.compliance)
+    if spring is None or drive.hysteresis is None:
         return 1.0
-    return 1.0 + float(sum(drive.hysteresis.stiffness) / drive.compliance.tangent(0.0))
+    return 1.0 + float(sum(drive.hysteresis.stiffness) / spring.tangent(0.0))
 
 
 def _eigen(model: LinearModel) -> tuple[ComplexArray, ComplexArray]:

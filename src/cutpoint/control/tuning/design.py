@@ -33,11 +33,12 @@ class Design(NamedTuple):
 
     @property
     def resonance(self) -> Array:
-        """Natural frequency, rad/s, of each elastic drive's rotor against its link, with the spring under its load."""
-        drives = self.robot.drives.values()
-        springs = [drive.compliance for drive in drives]
-        stiffness = [float(x.tangent(x.deflection(load))) for x, load in zip(springs, self.weight, strict=True) if x]
-        return np.sqrt(np.array(stiffness) * (1 / self.link + 1 / self.rotor))
+        """Natural frequency, rad/s, of each rotor against its link, the spring under its load; inf of rigid drives."""
+        springs = [drive.compliance for drive in self.robot.drives.values()]
+        pairs = zip(springs, self.weight, strict=True)
+        stiffness = np.array([float(x.tangent(x.deflection(load))) if x else np.inf for x, load in pairs])
+        with np.errstate(divide="ignore"):  # a rigid drive's rotor is part of the link
+            return np.sqrt(stiffness * (1 / self.link + 1 / self.rotor))
 
 
 def design_of(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Design:
