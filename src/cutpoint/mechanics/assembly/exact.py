@@ -11,7 +11,7 @@ def inertia_from(P: Array) -> Inertia:
     """From a pseudo-inertia (4, 4)."""
     S, h, m = P[:3, :3], P[:3, 3], P[3, 3]
     x, y, z = np.diag(S)  # summed so that a second moment of 0 stays exactly 0
-    return Inertia(number(m), vec3(h), mat3(np.diag([y + z, z + x, x + y]) - S + np.diag([x, y, z])))
+    return Inertia(number(m), vec3(h), mat3(np.diag([y + z, z + x, x + y]) + (np.diag([x, y, z]) - S)))
 
 
 def number(x: float) -> Scalar:
