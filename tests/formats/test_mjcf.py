@@ -275,7 +275,7 @@ def test_what_is_lost_is_listed_once(case: str) -> None:
 
 BUILT = '<asset><mesh name="rock" builtin="sphere" params="30"/></asset>'
 MASSLESS = one_body('<body name="tip"><joint/><geom type="mesh" mesh="rock"/></body>', SHAPE)
-SAFETY = "is not read, for safety: it stands for text that is not in this file; load the model in MuJoCo, save it with"
+SAFETY = "is not read, for safety: it stands for text that is not in this file; let MuJoCo write all of it"
 ELSEWHERE = (
     "its inertia would come from a shape that is not in this file; give it an <inertial>; MuJoCo writes one if "
     "MjSpec.compiler.saveinertial is true"

@@ -5,12 +5,11 @@ from pathlib import Path
 
 from cutpoint.errors import ModelError
 from cutpoint.formats.beside import file_within
+from cutpoint.formats.mjcf.meshes import ONE_FILE
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_DEPTH, Element, parse_xml
 
 MAXIMUM_FILES = 100
-
-_SAVED = "load the model in MuJoCo and save it with mujoco.mj_saveLastXML"
 
 
 def include_files(root: Element, path: Path, limit: int) -> None:
@@ -55,14 +54,14 @@ class _Includes:
             inner = include.children[0].tag
             raise self._wrong(include, f"<include> stands for its file and must be empty, but holds <{inner}>")
         try:
-            path = file_within(self._folder, name, _SAVED)
+            path = file_within(self._folder, name, ONE_FILE)
         except ModelError as problem:
             raise self._wrong(include, f"<include> {problem}") from problem
         target = path.resolve()
         if target in self._read:
             raise self._wrong(include, f"<include> {name!r}: the file is already part of the model; include it once")
         if len(self._read) > MAXIMUM_FILES:
-            complaint = f"more than {MAXIMUM_FILES} files are included, the limit; {_SAVED}"
+            complaint = f"more than {MAXIMUM_FILES} files are included, the limit; {ONE_FILE}"
             raise self._wrong(include, complaint)
         self._read.add(target)
         try:

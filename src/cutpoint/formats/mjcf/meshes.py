@@ -16,6 +16,12 @@ ENDINGS = (".stl", ".obj", ".msh")
 
 INERTIAL = "an <inertial>; MuJoCo writes one if MjSpec.compiler.saveinertial is true"
 
+ONE_FILE = (
+    "let MuJoCo write all of it into one file (spec = mujoco.MjSpec.from_file(...); spec.compiler.saveinertial = True; "
+    "spec.compile(); spec.to_xml())"
+)
+"""How to state what is spread over files, or stands for more than its own text."""
+
 
 class MeshFile(NamedTuple):
     """A mesh's points as MuJoCo gets them: under a generated name, which is not a path; file: the user's."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from xml.sax.saxutils import quoteattr
 
 from cutpoint.errors import ModelError
-from cutpoint.formats.mjcf.meshes import MeshFile, name_of
+from cutpoint.formats.mjcf.meshes import ONE_FILE, MeshFile, name_of
 from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
 from cutpoint.formats.slips import meant
@@ -117,9 +117,8 @@ def _refuse_other_text(element: Element, place: str) -> None:
         complaint = "<include> is not read from text in memory, which has no folder; give the file's path"
         raise ModelError(complaint, place=element.where(place), tag=element.tag)
     if element.tag in OTHER_TEXT:
-        remedy = "load the model in MuJoCo, save it with mujoco.mj_saveLastXML, and give that file"
         complaint = f"<{element.tag}> is not read, for safety: it stands for text that is not in this file"
-        raise ModelError(f"{complaint}; {remedy}", place=element.where(place), tag=element.tag)
+        raise ModelError(f"{complaint}; {ONE_FILE}", place=element.where(place), tag=element.tag)
 
 
 def _copy(root: Element, place: str, meshes: Mapping[str, MeshFile]) -> Excerpt:
