@@ -107,7 +107,7 @@ def test_the_second_wrist_is_told_better_since_torques_weigh_by_their_noise_and_
 def test_the_third_wrist_errs_most_while_it_rests():
     time, squares = arm().errors.resting()
     assert time[5] < 0.1 and squares[5] > 0.5
-    assert any("occurs at rest" in note and "wrist_3_joint" in note for note in arm().notes)
+    assert any("occurs at rest" in note and "wrist_3_joint" in note for note in arm().doubts)
 
 
 def test_the_slide_predicts_its_other_log_whose_pulses_are_in_its_command():

@@ -20,8 +20,8 @@ class Identification:
     xacro: arguments of that file.
     rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
     numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
-    untold: what this log cannot determine.  notes: what makes the result doubtful, then repairs, suspicious data, and
-    methods.  doubts: how many of the notes are of the first kind.
+    untold: what this log cannot determine.  doubts: what makes the result doubtful.  notes: repairs, suspicious data,
+    and methods.
     """
 
     robot: Robot
@@ -34,8 +34,8 @@ class Identification:
     errors: TorqueErrors
     recording: Recording = field(repr=False)
     untold: tuple[str, ...]
+    doubts: tuple[str, ...]
     notes: tuple[str, ...]
-    doubts: int = 0
 
     def __repr__(self) -> str:
         told = sum(number.told for number in self.numbers)

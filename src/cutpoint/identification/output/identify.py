@@ -181,7 +181,6 @@ def _identification(
     """All results, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
-    doubts = warnings_of(errors, at_joints(after, "N m"))
     words += _one_sided(before, recording)
     return Identification(
         robot=after,
@@ -194,8 +193,8 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        notes=(*doubts, *found.notes, *rigid.notes, *map(str, rigid.friction), *words),
-        doubts=len(doubts),
+        doubts=tuple(warnings_of(errors, at_joints(after, "N m"))),
+        notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
     )
 
 

@@ -118,7 +118,6 @@ def _drives(found: Identification) -> list[Page]:
 
 def _said(found: Identification, notes: Sequence[str]) -> Page:
     untold = found.untold or ("Everything sought is identified.",)
-    doubts, own = found.notes[: found.doubts], found.notes[found.doubts :]
-    first = ("What makes the result doubtful:", *doubts) if doubts else ()
+    first = ("What makes the result doubtful:", *found.doubts) if found.doubts else ()
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
-    return Page("said", "What this log cannot tell, and notes", (*first, *blocks, *own, *notes))
+    return Page("said", "What this log cannot tell, and notes", (*first, *blocks, *found.notes, *notes))

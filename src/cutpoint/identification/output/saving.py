@@ -117,6 +117,7 @@ def _sheet(found: Identification, notes: list[str]) -> Mapping[str, Any]:
         "numbers": [_number(number) for number in found.numbers],
         "bodies": bodies_of(found.robot),
         "untold": found.untold,
+        "doubts": found.doubts,
         "notes": [*found.notes, *notes],
     }
 

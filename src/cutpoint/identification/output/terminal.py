@@ -37,9 +37,5 @@ def sentences(found: Identification) -> list[str]:
     if len(untold) > SHOWN:
         untold[SHOWN - 1 :] = [f"not identified: {len(untold) - SHOWN + 1} more numbers, see the report"]
     choices = {str(choice) for choice in found.rigid.friction}
-    doubts, notes = found.notes[: found.doubts], found.notes[found.doubts :]
-    return [
-        *(f"warning: {words}" for words in doubts),
-        *untold,
-        *(f"note: {words}" for words in notes if words not in choices),
-    ]
+    doubts = [f"warning: {words}" for words in found.doubts]
+    return [*doubts, *untold, *(f"note: {words}" for words in found.notes if words not in choices)]
