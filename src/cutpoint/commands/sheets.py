@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.commands.shared import say_path
+from cutpoint.commands.tables import efforts_of
 from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
@@ -74,7 +75,7 @@ def _body(robot: Robot, body: Body) -> dict[str, Any]:
     if joint.mimic and robot.mechanism.coupled:
         return {**told, "follows": joint.mimic}
     in_force = robot.limits.get(joint.name, joint.limits)
-    effort = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True)).get(joint.name, in_force.effort)
+    effort = efforts_of(robot).get(joint.name, in_force.effort)
     return {
         **told,
         "position_limits": [joint.limits.lower, joint.limits.upper],

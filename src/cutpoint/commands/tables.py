@@ -42,7 +42,7 @@ def robot_table(robot: Robot, console: Console) -> Table:
     stacked.columns[-1].no_wrap = True
     in_force, bodies = robot.limits, robot.mechanism.bodies
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
-    efforts = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
+    efforts = efforts_of(robot)
     for body, mass in zip(bodies, masses, strict=True):
         joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
         kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
@@ -52,6 +52,11 @@ def robot_table(robot: Robot, console: Console) -> Table:
         wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
         stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
     return wide if natural_width(wide, console) <= console.width else stacked
+
+
+def efforts_of(robot: Robot) -> dict[str, float]:
+    """`Robot.effort_limits` by joint, N m (N)."""
+    return dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
 
 
 def _following(mimic: Mimic, kind: str) -> str:
@@ -172,7 +177,16 @@ def error_table(robot: Robot, log: "Log") -> Table:
     return table
 
 
-def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
+def beyond_limits(robot: Robot, low: Array, high: Array, peaks: Array) -> Iterator[str]:
+    """A sentence for each limit of position or speed that a motion exceeds.
+
+    low, high, peaks: (n,) least and largest positions, rad (m), and largest speeds, rad/s (m/s).
+    """
+    yield from _beyond_travel(robot, low, high)
+    yield from _beyond_speed(robot, peaks)
+
+
+def _beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
     """A sentence for each joint that moves, from `low` to `high` (n,), farther than files allow."""
     limits = robot.limits.values()
     for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
@@ -182,7 +196,7 @@ def beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
             yield f"{name} goes to {there}, beyond its limits, {_range(own.lower, own.upper, factor, unit)}"
 
 
-def beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
+def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
     """A sentence for each joint that moves faster than files allow; peaks: (n,) rad/s (m/s), not negative."""
     for name, slides, own, peak in zip(robot.joints, _slides(robot), robot.limits.values(), peaks, strict=True):
         if peak > own.velocity + ROUNDING:
@@ -192,9 +206,8 @@ def beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
 
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for each limit that a run met."""
-    yield from beyond_travel(robot, log["q"].min(axis=0), log["q"].max(axis=0))
-    yield from beyond_speed(robot, np.abs(log["v"]).max(axis=0))
-    most = dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
+    yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
+    most = efforts_of(robot)
     for name, share in log.meta.get("over_limit", {}).items():
         unit = "N" if name in robot.mechanism.sliding else "N m"
         limit = f"its limit of {most[name]:.4g} {unit}" if np.isfinite(most[name]) else "its voltage allows"

@@ -24,7 +24,7 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.sheets import save_sheet, torque_sheet
-from cutpoint.commands.tables import beyond_speed, beyond_travel, motion_table, torque_table
+from cutpoint.commands.tables import beyond_limits, motion_table, torque_table
 from cutpoint.errors import InputError
 from cutpoint.model.limits import check_configuration
 from cutpoint.model.units import SLIDING
@@ -82,8 +82,7 @@ def torque(
             keep(torques_along(loaded, motion, period), output, plot)
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST))
         print_table(motion_table(loaded, fine), console)
-        say_notes(beyond_travel(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0)))
-        return say_notes(beyond_speed(loaded, fine.max("v")))
+        return say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
     if q is None:
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
     if output or plot or smoothing is not None:
@@ -96,8 +95,7 @@ def torque(
     if json:
         save_sheet(torque_sheet(loaded, position, speed, acceleration, torques), json)
     print_table(torque_table(loaded, position, speed, acceleration, torques), console)
-    say_notes(beyond_travel(loaded, position, position))
-    say_notes(beyond_speed(loaded, np.abs(speed)))
+    say_notes(beyond_limits(loaded, position, position, np.abs(speed)))
 
 
 def torques_along(

@@ -18,7 +18,7 @@ class ElasticComputedTorque(ModelLaw):
 
     De Luca (1988); De Luca and Book (2016) section 11.1.4.  bandwidth: rad/s, the place of two poles of each joint's
     error; frequency, rad/s, and damping ratio of the other two, which are in the same place by default.  One number or
-    one for each drive.  Far below a spring's resonance these two poles cost robustness: the law then cancels nearly all
+    one for each drive.  Far below a spring's resonance, the other two cost robustness: the law then cancels nearly all
     of the spring's own force.
     Acceleration and jerk of the links come from the springs' deflection and the model.  It cancels the full model, so
     it is only as good as the model and the sensors; friction enters by value, without its rates.

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+STEADY = 1 + 1e-9
+"""The largest pole of what does not grow: an adaptive law's parameters stay at 1 at rest."""
+
 MOST_REMEMBERED = 1500
 """Numbers that sensors have on their way: of six drives 62 periods; the poles of more take many seconds to find."""
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.callers import warn
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.margins import peak_sensitivity
-from cutpoint.control.stability.sampled_loop import SampledPole, sampled_loop, slowest_of
+from cutpoint.control.stability.sampled_loop import STEADY, SampledPole, sampled_loop, slowest_of
 from cutpoint.control.tuning.design import design_of
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Sliding
@@ -18,9 +18,6 @@ from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
-
-STEADY = 1 + 1e-9
-"""The largest pole of what does not grow: an adaptive law's parameters stay where they are."""
 
 STOPPED = 1.0
 """Nepers a second: what grows more slowly may be left to dry friction, which the linear plant lacks."""

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 FASTEST, DAMPED = 0.6, 0.7
 """Of the springs' own poles in the closed loop: the most radians in a control period, beyond which sampling would
-excite them, and their damping ratio."""
+excite them, and their damping ratio.  Chosen on two arms, of 0.4 to 1.4 rad and 0.3 to 1."""
 
 INTEGRAL = 0.25
 """Of the natural frequency of PID's pair of poles: where its third pole lies."""
