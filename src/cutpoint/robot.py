@@ -264,7 +264,7 @@ class Robot:
         """
         rows: list[float] = []
         for segment in self.machine.system.segments:
-            rows += parameters_of(segment.inertia.seen_from_parent(Pose(segment.turn, ZERO)))
+            rows += parameters_of(segment.inertia.seen_from_parent(Pose(segment.to_user_axes, ZERO)))
         return frozen(np.array(rows, dtype=np.float64))
 
     def jacobian(self, q: ArrayLike, frame: str, expressed_in: ExpressedIn = "local") -> Array:

@@ -8,7 +8,7 @@ from cutpoint.mechanics.bodies.articulated import Articulated
 from cutpoint.mechanics.bodies.joints import Revolute
 from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wrench
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, Motion, Vec3
-from cutpoint.mechanics.required_dynamics import pull
+from cutpoint.mechanics.required_dynamics import velocity_feedback
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.mechanism import WORLD
 from random_trees import rotation
@@ -90,6 +90,6 @@ def required_net_wrenches(rng):
     A, turn = rng.normal(size=(6, 6)), rotation(rng)
     segment = Segment("body", WORLD, AT_ORIGIN, Revolute(), inertia(*body), slice(0, 1), slice(0, 1), mat3(turn))
     own = np.kron(np.eye(2), turn)
-    pulled = own @ six(pull(segment, A @ A.T, motion(own.T @ V_r), motion(own.T @ V)))
+    pulled = own @ six(velocity_feedback(segment, A @ A.T, motion(own.T @ V_r), motion(own.T @ V)))
     ours = cost(body, V[3:], V_r, V_r_dot, R_BI @ g) + left_out(body, V[3:]) @ V_r + pulled
     return [(ours, joint.required_net_wrench(*body, R_BI, g, V, V_r, V_r_dot, A @ A.T))]

@@ -93,7 +93,9 @@ def wrenches_inward(rng):
     """From any net wrenches, actual or required: the recursion does not know which it is given."""
     q, *_ = motion_of(rng)
     F_star, F_e = rng.normal(size=(6, 6)), rng.normal(size=6)
-    found = recursion.bear(system(), joint_poses(system(), q), [wrench(F) for F in F_star], {"link6": wrench(F_e)})
+    found = recursion.transmitted_wrenches(
+        system(), joint_poses(system(), q), [wrench(F) for F in F_star], {"link6": wrench(F_e)}
+    )
     return [([six(F) for F in found], arm.inward_wrenches(q, [*F_star], F_e))]
 
 
@@ -102,7 +104,7 @@ def joint_bases(rng):
     """A link that carries the next joint's base; the reduced model's rotor presses on nothing, its wrench is 0."""
     q, *_ = motion_of(rng)
     F_star, X = rng.normal(size=(6, 6)), joint_poses(system(), q)
-    F = [six(F_i) for F_i in recursion.bear(system(), X, [wrench(F_i) for F_i in F_star], {})]
+    F = [six(F_i) for F_i in recursion.transmitted_wrenches(system(), X, [wrench(F_i) for F_i in F_star], {})]
     U = [arm.U(arm.pose_between(q, i, i + 1)) for i in range(1, 6)]
     nothing = np.eye(6), np.zeros(6)
     kept = [joint.base_balance(F[i], U[i], F[i + 1], *nothing) for i in range(5)]

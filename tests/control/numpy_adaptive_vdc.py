@@ -102,7 +102,7 @@ def start(law: Any, plant: Plant) -> Memory:
 
 def turns_of(plant: Plant) -> list[Array]:
     """Of each body, R with p in its joint's frame = turned(p in its own, R)."""
-    return [np.array([[*row] for row in segment.turn]).T for segment in plant.robot.machine.system.segments]
+    return [np.array([[*row] for row in segment.to_user_axes]).T for segment in plant.robot.machine.system.segments]
 
 
 def nominal_bodies(plant: Plant) -> Array:

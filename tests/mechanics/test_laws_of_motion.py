@@ -145,7 +145,7 @@ def test_velocity_map_stacks_the_jacobians_of_the_bodies(name, data):
     q, _, _ = data.draw(motions(ours))
     stacked = ours.velocity_map(q).reshape(-1, 6, ours.nv)
     for segment, body, rows in zip(ours.machine.system.segments, ours.mechanism.bodies, stacked, strict=True):
-        turn = np.array([[*row] for row in segment.turn], float)
+        turn = np.array([[*row] for row in segment.to_user_axes], float)
         if body.joint.kind != "floating":
             assert_close(turn[:, 2], body.joint.axis, 1e-15)
         own = ours.jacobian(q, body.name)

@@ -12,9 +12,9 @@ from cutpoint.errors import InputError
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
 from cutpoint.rolled.equations import solver_of
+from cutpoint.rolled.equations.articulated_bodies import ArticulatedBodies
 from cutpoint.rolled.equations.factored import Factored, is_sparse
 from cutpoint.rolled.equations.solver import Solver
-from cutpoint.rolled.equations.yielding import Yielding
 from large_robots import assert_close, based, chain
 from random_trees import tree_of_every_kind
 from robot_library import load
@@ -32,7 +32,7 @@ TREES = {
 
 ALONG_ONE_AXIS = ("revolute", "prismatic", "helical")
 CASES = [(Factored, tree) for tree in TREES.values()] + [
-    (Yielding, tree)
+    (ArticulatedBodies, tree)
     for tree in (
         *(TREES[name] for name in ("one joint", "chain", "branches")),
         chain(130, ALONG_ONE_AXIS),
@@ -94,8 +94,8 @@ def test_no_matrices_have_no_solutions() -> None:
     assert found is not None and [x.shape for x in found] == [(0, 3, 2), (0, 3, 3)]
 
 
-@pytest.mark.parametrize("equations", [Factored, Yielding])
-def test_calls_from_several_threads_do_not_meet(equations: type[Factored | Yielding]) -> None:
+@pytest.mark.parametrize("equations", [Factored, ArticulatedBodies])
+def test_calls_from_several_threads_do_not_meet(equations: type[Factored | ArticulatedBodies]) -> None:
     robot, rng = Robot(based("revolute", 25)), np.random.default_rng(3)
     solver, n = Solver(equations(robot.machine.system), [robot.nv]), robot.nv
     states = [robot.random(rng, 50) for _ in range(8)]

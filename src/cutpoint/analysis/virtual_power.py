@@ -11,8 +11,8 @@ from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
 from cutpoint.mechanics.bodies.spatial import NO_WRENCH, Wrench
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque, required_friction
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.inverse_dynamics import bear, joint_efforts, motions, net_wrenches
-from cutpoint.mechanics.required_dynamics import pull, required_motions
+from cutpoint.mechanics.inverse_dynamics import joint_efforts, motions, net_wrenches, transmitted_wrenches
+from cutpoint.mechanics.required_dynamics import required_motions, velocity_feedback
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -52,7 +52,7 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
         lost = lag.power(_pull(segment, K, wanted, have))
         accounts.append((kinetic_energy(true.inertia, lag), lost, lag.power(dF)))
     # virtual power from joints to the bodies between them
-    given = joint_efforts(system, bear(system, [x.X for x in moved], excess, {}))
+    given = joint_efforts(system, transmitted_wrenches(system, [x.X for x in moved], excess, {}))
     joint_gains = map(JointGains, law.speed_gain, law.motor_gain, law.spring_gain)
     joints = zip(law.machine.drives, machine.drives, joint_gains, strict=True)
     for k, (believed, driven, gain) in enumerate(joints):
@@ -88,4 +88,4 @@ def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
 
 def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:
     """K (V_r - V) of a body; zero without K."""
-    return NO_WRENCH if K is None else pull(segment, K, required.V, actual.V)
+    return NO_WRENCH if K is None else velocity_feedback(segment, K, required.V, actual.V)

@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, FeltRotor, Yield, accelerations
+from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, AxisResponse, JointRotor, accelerations
 from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import STILL, Motion, Vec3, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
-from cutpoint.mechanics.inverse_dynamics import handed_on, inverse_dynamics, motions, net_wrenches, rotor_efforts
+from cutpoint.mechanics.inverse_dynamics import contact_wrenches, inverse_dynamics, motions, net_wrenches, rotor_efforts
 from cutpoint.mechanics.mass_matrix import mass_matrix
-from cutpoint.mechanics.system import Segment, System
+from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar, is_plain_zero
 
@@ -91,46 +91,47 @@ def articulated_accelerations(
     # outward: motion of the coasting bodies, and the wrenches and torques that this takes
     coast = motions(system, q, v, still)
     P = net_wrenches(system, coast, v, still)
-    for i, F_e in handed_on(system, contact):
+    for i, F_e in contact_wrenches(system, contact):
         P[i] = P[i] + F_e
     M = [Articulated.of(body.inertia) for body in system.segments]
-    left = [t - taken for t, taken in zip(tau, rotor_efforts(system, coast, still), strict=True)]
+    tau_left = [t - taken for t, taken in zip(tau, rotor_efforts(system, coast, still), strict=True)]
     for spin in system.spins:
         if spin.elastic:
             i, k, rotor = spin.carrier, system.segments[spin.joint].v.start, rotors[spin.joint]
             inertia = spin.geared * spin.geared * rotor.mobility  # J, or less where damping adds to it
-            M[i], P[i] = let_spin(spin, inertia, M[i], P[i], coast[i].V.angular, coast[i].A, rotor.speed, rotor.alpha)
-            left[k] = left[k] - rotor.follows * spin.along(coast[i].A.angular)
-    # inward: inertia of a body with all it carries, once its joint gives way
-    gave: list[list[Yield]] = []
-    felt = felt_rotors(system, rotors)
+            omega, A_i = coast[i].V.angular, coast[i].A
+            M[i], P[i] = with_free_rotor(spin, inertia, M[i], P[i], omega, A_i, rotor.speed, rotor.alpha)
+            tau_left[k] = tau_left[k] - rotor.follows * spin.along(A_i.angular)
+    # inward: inertia and bias of each body with all it carries, as its parent feels them through the joint
+    responses: list[list[AxisResponse]] = []
+    at_joint = joint_rotors(system, rotors)
     for i, body in reversed([*enumerate(system.segments)]):
-        M_i, P_i, steps = M[i].give_way(body.joint.axes, P[i], left[body.v], felt[i])
-        gave.append(steps)
+        M_i, P_i, response = M[i].eliminate(body.joint.axes, P[i], tau_left[body.v], at_joint[i])
+        responses.append(response)
         if body.parent != WORLD:
             M[body.parent] = M[body.parent] + M_i.seen_from_parent(coast[i].X)
             P[body.parent] = P[body.parent] + coast[i].X.inward(P_i)
-    # outward: each joint's acceleration from its parent's
-    added: list[Motion] = []
-    found: list[Scalar] = [0] * system.nv
-    for own, body, steps in zip(coast, system.segments, reversed(gave), strict=True):
-        carried = STILL if body.parent == WORLD else own.X.outward(added[body.parent])
-        found[body.v] = accelerations(steps, carried)
-        added.append(carried + body.motion(found))
-    return found, [own.A + A for own, A in zip(coast, added, strict=True)]
+    # outward: each joint's acceleration from its parent's, beyond coasting
+    A: list[Motion] = []
+    a: list[Scalar] = [0] * system.nv
+    for m, body, response in zip(coast, system.segments, reversed(responses), strict=True):
+        carried = STILL if body.parent == WORLD else m.X.outward(A[body.parent])
+        a[body.v] = accelerations(response, carried)
+        A.append(carried + body.motion(a))
+    return a, [m.A + A_i for m, A_i in zip(coast, A, strict=True)]
 
 
-def felt_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[FeltRotor]]:
+def joint_rotors(system: System, rotors: Mapping[int, FreeRotor]) -> list[list[JointRotor]]:
     """Rotors as they act on each segment's axes: those rigidly geared, and others as far as they follow their joint."""
     shares = {spin.joint: rotors[spin.joint].follows if spin.elastic else 1 for spin in system.spins}
     couplings = {spin.joint: spin.geared * shares[spin.joint] for spin in system.spins}
     return [
-        [NO_ROTOR if is_plain_zero(I_m) else FeltRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
+        [NO_ROTOR if is_plain_zero(I_m) else JointRotor(I_m, couplings.get(i, 0)) for I_m in system.armature[body.v]]
         for i, body in enumerate(system.segments)
     ]
 
 
-def let_spin(
+def with_free_rotor(
     spin: Spin, inertia: Scalar, M: Articulated, P: Wrench, omega: Vec3, A: Motion, speed: Scalar, alpha: Scalar
 ) -> tuple[Articulated, Wrench]:
     """Inertia and bias of the carrier of an elastic drive's rotor, which does not follow the carrier about its axis.
@@ -140,15 +141,3 @@ def let_spin(
     """
     apart = Articulated.about(spin.axis, -inertia)
     return M + apart, P + apart * A + spin.reaction(omega, speed, alpha)
-
-
-def coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Scalars) -> tuple[Vec3, Motion]:
-    """Angular velocity and acceleration of a body whose joint keeps its speed, along its parent's axes, which turn with
-    omega_p and accelerate with A_p.
-
-    As `motions`, Xia (2019) eq. (31), in cross products: each is one operation on three numbers.
-    """
-    own, X = body.motion(v), body.placement
-    omega = omega_p + own.angular
-    linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
-    return omega, X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))

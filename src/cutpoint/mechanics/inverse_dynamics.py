@@ -10,7 +10,7 @@ from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, gradient
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, NO_GRADIENT, STILL, Mat3, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar, is_plain_zero
+from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
 
@@ -40,8 +40,8 @@ def inverse_dynamics(
     moved = motions(system, q, v, a)
     # each body by itself: the wrench that its motion takes
     F = net_wrenches(system, moved, v, a)
-    # inward: each body also bears its children
-    F = bear(system, [m.X for m in moved], F, contact or {})
+    # inward: each joint also transmits what the bodies beyond it take
+    F = transmitted_wrenches(system, [m.X for m in moved], F, contact or {})
     return [rotor + link for rotor, link in zip(rotor_efforts(system, moved, a), joint_efforts(system, F), strict=True)]
 
 
@@ -54,9 +54,8 @@ def motions(system: System, q: Scalars, v: Scalars, a: Scalars | None) -> list[B
     for body in system.segments:
         X, zv, za = body.pose(q), body.motion(v), None if a is None else body.motion(a)
         parent = at_rest(system) if body.parent == WORLD else moved[body.parent]
-        axis = body.placement.rotation.T.rows[2]
-        if body.joint.turns_about_z and sum(map(is_plain_zero, axis)) == 2:
-            moved.append(turn(X, axis, zv, parent, za))
+        if body.turns_about_parent_axis:
+            moved.append(turn(X, body.placement.rotation.T.rows[2], zv, parent, za))
         else:
             omega = X.outward(parent.V).angular + zv.angular
             moved.append(move(X, omega, zv, parent, zv, za))
@@ -78,15 +77,17 @@ def net_wrenches(
     return F
 
 
-def bear(system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]) -> list[Wrench]:
+def transmitted_wrenches(
+    system: System, X: Sequence[Pose], F: Sequence[Wrench], contact: Mapping[str, Wrench]
+) -> list[Wrench]:
     """The wrench on each body through its joint, from net wrenches F*.
 
     Xia (2019) eqs. (9), (11), (44)-(46), (51)-(53).
     """
     F = [*F]
-    for i, F_e in handed_on(system, contact):
+    for i, F_e in contact_wrenches(system, contact):
         F[i] = F[i] + F_e
-    # inward: each body also carries its children's wrenches
+    # inward: the wrench of each body acts on its parent
     for i, body in reversed([*enumerate(system.segments)]):
         if body.parent != WORLD:
             F[body.parent] = F[body.parent] + X[i].inward(F[i])
@@ -172,7 +173,7 @@ def at_rest(system: System) -> BodyMotion:
     return BodyMotion(AT_ORIGIN, STILL, system.base_acceleration, NO_GRADIENT)
 
 
-def handed_on(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
+def contact_wrenches(system: System, contact: Mapping[str, Wrench]) -> Iterator[tuple[int, Wrench]]:
     """Wrenches of the bodies on the environment: the body's index, the wrench in its frame.
 
     contact: in N and N m; in the system's unit of length N m keep their value.

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from cutpoint.mechanics.bodies.joints import Floating
 from cutpoint.mechanics.bodies.spatial import Motion
-from cutpoint.mechanics.inverse_dynamics import bear, motions, net_wrenches
+from cutpoint.mechanics.inverse_dynamics import motions, net_wrenches, transmitted_wrenches
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -18,7 +18,7 @@ def power_flows(system: System, q: Scalars, v: Scalars, a: Scalars) -> list[Scal
     At a cut both sides have the same velocity V and wrench F: the power V^T F leaves one subsystem and enters the next.
     """
     moved = motions(system, q, v, a)
-    F = bear(system, [m.X for m in moved], net_wrenches(system, moved, v, a), {})
+    F = transmitted_wrenches(system, [m.X for m in moved], net_wrenches(system, moved, v, a), {})
     flows: list[Scalar] = []
     for segment, m, F_i in zip(system.segments, moved, F, strict=True):
         if isinstance(segment.joint, Floating):

@@ -42,7 +42,7 @@ def _of_bodies(system: System, actual: list[BodyMotion], required: list[BodyMoti
     columns = velocity_columns(system, [m.X for m in actual])
     Y: list[list[Scalar]] = [[0] * (10 * len(actual)) for _ in range(system.nv)]
     for i, (segment, m, m_r) in enumerate(zip(system.segments, actual, required, strict=True)):
-        omega, omega_r = (segment.turn @ x.V.angular for x in (m, m_r))
+        omega, omega_r = (segment.to_user_axes @ x.V.angular for x in (m, m_r))
         wrenches = body_regressor(segment.in_own_axes(m_r.A), omega, omega_r)
         # joint torque = power of the wrench at unit speed
         for j, column in columns[i].items():

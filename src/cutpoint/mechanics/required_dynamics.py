@@ -10,12 +10,12 @@ from cutpoint.mechanics.bodies.spatial import Motion, Vec3, Wrench
 from cutpoint.mechanics.inverse_dynamics import (
     BodyMotion,
     at_rest,
-    bear,
     joint_efforts,
     motions,
     move,
     net_wrenches,
     rotor_efforts,
+    transmitted_wrenches,
 )
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
@@ -55,8 +55,8 @@ def efforts_between(
     F_r = net_wrenches(system, required, v_r, a_r, actual)
     if gains is not None:
         bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
-        F_r = [F + pull(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
-    F_r = bear(system, [m.X for m in actual], F_r, {})
+        F_r = [F + velocity_feedback(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
+    F_r = transmitted_wrenches(system, [m.X for m in actual], F_r, {})
     return joint_efforts(system, F_r), rotor_efforts(system, required, a_r, actual)
 
 
@@ -73,11 +73,11 @@ def required_motions(
     return actual, required
 
 
-def pull(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
+def velocity_feedback(body: Segment, K: Gain, V_r: Motion, V: Motion) -> Wrench:
     """K (V_r - V), K in the body's own axes.  Xia (2019) eqs. (15)-(17)."""
     lag = [*body.in_own_axes(V_r - V)]
     pulled = [sum((k * x for k, x in zip(row, lag, strict=True)), 0) for row in K]
-    R_T = body.turn.T
+    R_T = body.to_user_axes.T
     return Wrench(R_T @ Vec3(*pulled[:3]), R_T @ Vec3(*pulled[3:]))
 
 

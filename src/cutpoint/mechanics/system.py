@@ -12,7 +12,7 @@ from cutpoint.mechanics.bodies.rotors import Spin
 from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Scalar, is_plain_zero
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Segment:
 
     parent: index of the carrying body, or WORLD.  placement: the joint's frame in the parent's, at coordinate zero.
     q and v: where its coordinates and speeds stand in the robot's; a follower shares its leader's.
-    turn: this frame, along the joint's axis, in the body's frame as the user knows it.
+    to_user_axes: this frame, along the joint's axis, in the body's frame as the user knows it.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Segment:
     inertia: Inertia
     q: slice
     v: slice
-    turn: Mat3
+    to_user_axes: Mat3
     follower: Follower | None = None
 
     @property
@@ -61,6 +61,11 @@ class Segment:
         """Its frame in its parent's.  Xia (2019) eqs. (33)-(36)."""
         return self.placement @ self.joint.pose(self.coordinates(q))
 
+    @property
+    def turns_about_parent_axis(self) -> bool:
+        """Whether it turns about one axis of its parent's frame, apart from a displacement."""
+        return self.joint.turns_about_z and sum(map(is_plain_zero, self.placement.rotation.T.rows[2])) == 2
+
     def motion(self, v: Sequence[Scalar]) -> Motion:
         """Its joint's own velocity z v, or acceleration, from the robot's speeds or accelerations.
 
@@ -76,7 +81,7 @@ class Segment:
 
     def in_own_axes(self, V: Motion) -> Motion:
         """A motion of this frame in the axes of the body as the user knows it."""
-        return Motion(self.turn @ V.linear, self.turn @ V.angular)
+        return Motion(self.to_user_axes @ V.linear, self.to_user_axes @ V.angular)
 
 
 @dataclass(frozen=True)

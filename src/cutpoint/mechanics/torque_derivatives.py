@@ -14,7 +14,7 @@ from math import comb
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.bodies.spatial import ZERO, Inertia, Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, bear, motions, net_wrenches
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, transmitted_wrenches
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Scalar
@@ -91,7 +91,7 @@ def torque_derivatives(system: System, q: Scalars, v: Scalars, a: Scalars) -> tu
     """
     moved, n = motions(system, q, v, a), system.nv
     X, S = [m.X for m in moved], [body.joint.motion([1]) for body in system.segments]
-    F = bear(system, X, net_wrenches(system, moved, v, a), {})
+    F = transmitted_wrenches(system, X, net_wrenches(system, moved, v, a), {})
     u = _origin_velocities(system, moved, v)
     clouds = _clouds(system, moved, u)
     by_q, by_v = ([rule(m, s) for m, s in zip(moved, S, strict=True)] for rule in (_by_position, _by_speed))

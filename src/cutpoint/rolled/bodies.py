@@ -88,11 +88,11 @@ def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
     return np.hstack([np.array(rows, dtype=np.float64), drive_rows(bodies, drives)])
 
 
-def columns_of(system: System, drives: Sequence[Driven] = (), *, turns: bool = False) -> "Columns":
-    """turns: whether `Columns.turn` will be used."""
+def columns_of(system: System, drives: Sequence[Driven] = (), *, user_axes: bool = False) -> "Columns":
+    """user_axes: whether `Columns.to_user_axes` will be used."""
     base, rows = base_of(system), rows_of(system, drives)
-    if turns:
-        own = [[x for row in system.segments[i].turn for x in row] for i in bodies_of(system)]
+    if user_axes:
+        own = [[x for row in system.segments[i].to_user_axes for x in row] for i in bodies_of(system)]
         rows = np.hstack([rows, np.array(own, dtype=np.float64)])
     return Columns(rows, models_of(bodies_of(system), drives), base)
 
@@ -125,14 +125,14 @@ def _coupling(spin: Spin | None) -> list[Scalar]:
 class Columns:
     """Which of the bodies' numbers are built into the code, and which are read.
 
-    stated: the first, by column.  read: (n, width), the others.  base: its joint, if there is one; base_turn: its axes
-    as the user knows them along its own.  are_coupled: whether rotors with full coupling are behind springs.
+    stated: the first, by column.  read: (n, width), the others.  base: its joint, if there is one, and its
+    `Segment.to_user_axes`.  are_coupled: whether rotors with full coupling are behind springs.
     """
 
     def __init__(self, rows: Array, models: Sequence[Model] = (), base: Segment | None = None) -> None:
         """models: of the drives' structures."""
         self.base, self.models = base.joint if base else None, models
-        self.base_turn = base.turn if base else IDENTITY
+        self.base_to_user_axes = base.to_user_axes if base else IDENTITY
         self.are_coupled = bool(rows[:, SPRUNG].any())
         first = rows[0]
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
@@ -154,7 +154,7 @@ class Columns:
         behind = None if is_plain_zero(sprung) else Spin(0, 0, axis, J, sprung, True)
         return Subsystem(own, armature, spin, number, last, behind)
 
-    def turn(self, read: Iterable[Scalar]) -> Mat3:
+    def to_user_axes(self, read: Iterable[Scalar]) -> Mat3:
         """The user's axes of the body whose row holds these, along its own axes."""
         return mat3(iter(self._whole(read)[-9:]))
 

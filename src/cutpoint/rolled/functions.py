@@ -124,7 +124,7 @@ class RolledFunction:
         self.name, self._record, recipe = name_of(key), record, RECIPES[key]
         drives = machine.drives if recipe.reads_drives else ()
         system = rooted(machine.system) if recipe.is_rooted else machine.system
-        columns = columns_of(system, drives, turns=recipe.reads_turns)
+        columns = columns_of(system, drives, user_axes=recipe.reads_user_axes)
         self._driven = [d.segment - bodies_of(machine.system).start for d in drives]
         self._are_all_driven = len(self._driven) in (0, len(columns.read))
         self._task = Task(recipe, system, columns, backend, frame)

@@ -23,7 +23,7 @@ class Recipe(NamedTuple):
     it, where the code grows with these.  reads_drives: whether it uses drives' numbers.  odd: features of its variants
     that loops do not support.  takes_coupled, takes_geared: whether it supports rotors with full coupling, behind
     springs or geared rigidly; takes_base: also with a floating base.  is_rooted: whether it computes each tree about
-    its first joint.  reads_turns: whether it uses the axes of the bodies' own frames.
+    its first joint.  reads_user_axes: whether it uses the bodies' frames as users know them.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, at most 5, takes half to all of the loops' time in batches and, except on chains, half to all of it in
@@ -42,7 +42,7 @@ class Recipe(NamedTuple):
     takes_base: bool = True
     is_rooted: bool = False
     pairs: float = inf
-    reads_turns: bool = False
+    reads_user_axes: bool = False
 
 
 def _elastic_inverse(options: Options) -> Recipe:
@@ -93,7 +93,7 @@ RECIPES: Mapping[Any, Recipe] = {
         48,
         pairs=160,
         is_rooted=True,
-        reads_turns=True,
+        reads_user_axes=True,
     ),
     ("frame_pose",): Recipe(kinematics.frame_pose, ("q",), ("placement",), 64),
     "kinetic_energy": Recipe(totals.kinetic_energy, ("q", "v"), ("total",), 64),

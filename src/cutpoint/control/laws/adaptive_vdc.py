@@ -130,7 +130,7 @@ class AdaptiveVDC(VDC):
         found: list[float] = []
         for segment, estimate in zip(self.machine.system.segments, memory.bodies, strict=True):
             own = inertia_of(self._inertial(estimate))
-            found += parameters_of(own.seen_from_parent(Pose(segment.turn, ZERO)))
+            found += parameters_of(own.seen_from_parent(Pose(segment.to_user_axes, ZERO)))
         return np.array(found, float)
 
     def _inertial(self, estimate: Any) -> list[Scalar]:

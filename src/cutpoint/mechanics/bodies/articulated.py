@@ -12,7 +12,7 @@ UNIT_AXES: list[Axis] = [X, Y, Z, TURN_X, TURN_Y, TURN_Z]
 
 
 @dataclass(slots=True, eq=False)
-class FeltRotor:
+class JointRotor:
     """Apparent inertia of a rotor at its joint, kg m2: rigidly geared, or coupled through a damped spring.
 
     armature: resists the joint's own acceleration.  coupling: ties it to the carrying body's acceleration about z.
@@ -22,12 +22,12 @@ class FeltRotor:
     coupling: Scalar
 
 
-NO_ROTOR = FeltRotor(0, 0)
+NO_ROTOR = JointRotor(0, 0)
 
 
 @dataclass(slots=True, eq=False)
-class Yield:
-    """How one axis gives way: its own acceleration, and its response to each component of its body's acceleration."""
+class AxisResponse:
+    """Acceleration along an axis: `own`, less `share` of each component of its body's acceleration."""
 
     axis: Axis
     own: Scalar
@@ -73,18 +73,20 @@ class Articulated:
         """z^T M z: the inertia along an axis.  Starts from products of z, which recursions have before M."""
         return sum(dot([a * b for b in z], row) for a, row in zip(z, self.rows, strict=True))
 
-    def give_way(
-        self, axes: Sequence[Axis], P: Wrench, tau: Sequence[Scalar], rotors: Sequence[FeltRotor]
-    ) -> tuple["Articulated", Wrench, list[Yield]]:
-        """Frees the joint, axis by axis: remaining inertia and bias wrench, and how each axis gives way.
+    def eliminate(
+        self, axes: Sequence[Axis], P: Wrench, tau: Sequence[Scalar], rotors: Sequence[JointRotor]
+    ) -> tuple["Articulated", Wrench, list[AxisResponse]]:
+        """What a joint that is free to move passes on: remaining inertia and bias wrench, and each axis's response.
 
         Featherstone (2008) eqs. (7.38)-(7.44) for one axis at a time; each axis may carry a rotor.
         """
         rows, p, steps = [[*row] for row in self.rows], [*P], []
         for z, effort, rotor in zip(axes, tau, rotors, strict=True):
+            # the axis: inertia along it, and its acceleration while its body has none
             column = [dot(z, row) for row in rows]
             gain = 1 / (dot(z, column) + rotor.armature)
             own = gain * (effort - dot(z, p))
+            # what is left for its carrier: the Schur complement
             column[5] = column[5] + rotor.coupling
             share = [c * gain for c in column]
             for j in range(6):
@@ -96,7 +98,7 @@ class Articulated:
                 p[axis] = effort
                 for k in range(6):
                     rows[axis][k] = rows[k][axis] = 0
-            steps.append(Yield(z, own, share))
+            steps.append(AxisResponse(z, own, share))
         return Articulated(rows), Wrench(Vec3(*p[:3]), Vec3(*p[3:])), steps
 
     def seen_from_parent(self, pose: Pose) -> "Articulated":
@@ -141,7 +143,7 @@ class Articulated:
         return Mat3(*(Vec3(*row[j : j + 3]) for row in self.rows[i : i + 3]))
 
 
-def accelerations(steps: list[Yield], A: Motion) -> list[Scalar]:
+def accelerations(steps: list[AxisResponse], A: Motion) -> list[Scalar]:
     """A joint's accelerations along its axes; were they zero, its body would accelerate with A (less its bias)."""
     a, found = [*A], []
     for step in reversed(steps):

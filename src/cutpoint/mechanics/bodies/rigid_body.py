@@ -47,16 +47,6 @@ def net_wrench(M: Inertia, A: Motion, U: Mat3) -> Wrench:
     return Wrench(A.linear * M.mass + U @ h, h.cross(A.linear) + Vec3(zy - yz, xz - zx, yx - xy))
 
 
-def net_wrench_in_crosses(M: Inertia, A: Motion, omega: Vec3) -> Wrench:
-    """`net_wrench` of a body that turns with omega (rad/s), in cross products: each is one operation on three
-    numbers.
-
-    Xia (2019) eqs. (47), (59)-(62).
-    """
-    V = Motion(ZERO, omega)
-    return M * A + V.cross_wrench(M * V)
-
-
 def kinetic_energy(M: Inertia, V: Motion) -> Scalar:
     """V^T M V / 2, J."""
     return V.power(M * V) / 2

@@ -14,7 +14,7 @@ from cutpoint.scalars import Jet, Scalar, cos, sin
 def about_z(angle: Scalar) -> Mat3:
     """R, which takes coordinates of the turned frame to those of the unturned."""
     if isinstance(angle, Jet):
-        return InTurn(_about_z(angle.derivative(0)), FromNowOn(angle.rate()))
+        return RotationProduct(_about_z(angle.derivative(0)), RotationFromNow(angle.rate()))
     return _about_z(angle)
 
 
@@ -24,7 +24,7 @@ def turned(angle: Scalar, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
     return c * x - s * y, s * x + c * y
 
 
-class TurnAboutZ(Mat3):
+class RotationAboutZ(Mat3):
     """outer @ R_z, using the fact that a turn leaves half of a tensor's part in its plane unchanged.
 
     The isotropic and the skew part do not change; the rest turns by twice the angle, as on Mohr's circle.
@@ -36,7 +36,7 @@ class TurnAboutZ(Mat3):
         super().__init__(*(outer @ Mat3(Vec3(c, -s, 0), Vec3(s, c, 0), Vec3(0, 0, 1))))
         self.outer, self.c, self.s = outer, c, s
 
-    def __rmatmul__(self, a: Mat3) -> Mat3: return TurnAboutZ(a @ self.outer, self.c, self.s)
+    def __rmatmul__(self, a: Mat3) -> Mat3: return RotationAboutZ(a @ self.outer, self.c, self.s)
 
     def congruence(self, S: Mat3) -> Mat3:
         """R S R^T, in half as many operations as two products take in the plane."""
@@ -48,7 +48,7 @@ class TurnAboutZ(Mat3):
         return self.outer.congruence(Mat3(x, y, Vec3(c * zx - s * zy, s * zx + c * zy, zz)))
 
 
-class InTurn(Mat3):
+class RotationProduct(Mat3):
     """outer @ inner, applied to a vector one after the other."""
 
     __slots__ = ("inner", "outer")
@@ -61,17 +61,17 @@ class InTurn(Mat3):
         return (Mat3(*self.outer.rows) @ Mat3(*self.inner.rows)).rows
 
     @property
-    def T(self) -> "InTurn": return InTurn(self.inner.T, self.outer.T)
+    def T(self) -> "RotationProduct": return RotationProduct(self.inner.T, self.outer.T)
 
     @overload
     def __matmul__(self, b: Vec3) -> Vec3: ...
     @overload
     def __matmul__(self, b: Mat3) -> Mat3: ...
     def __matmul__(self, b: Any) -> Any: return self.outer @ (self.inner @ b)
-    def __rmatmul__(self, a: Mat3) -> Mat3: return InTurn(a @ self.outer, self.inner)
+    def __rmatmul__(self, a: Mat3) -> Mat3: return RotationProduct(a @ self.outer, self.inner)
 
 
-class FromNowOn(Mat3):
+class RotationFromNow(Mat3):
     """E: the turn of a frame about z from now on, with this spin (rad/s)."""
 
     __slots__ = ("spin",)
@@ -84,7 +84,7 @@ class FromNowOn(Mat3):
         return _about_z(Jet(0, *self.spin.derivatives)).rows
 
     @property
-    def T(self) -> "FromNowOn": return FromNowOn(-self.spin)
+    def T(self) -> "RotationFromNow": return RotationFromNow(-self.spin)
 
     @overload
     def __matmul__(self, b: Vec3) -> Vec3: ...
@@ -106,4 +106,4 @@ class FromNowOn(Mat3):
 
 
 def _about_z(angle: Scalar) -> Mat3:
-    return TurnAboutZ(IDENTITY, cos(angle), sin(angle))
+    return RotationAboutZ(IDENTITY, cos(angle), sin(angle))

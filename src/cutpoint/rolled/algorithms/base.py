@@ -98,22 +98,22 @@ class Base:
         writes = ("base.turned", "base.omega", "base.coasting", "base.resistance")
         return Pass("once", Stage(resists, reads, writes))
 
-    def gives_way(self) -> Pass:
+    def eliminates(self) -> Pass:
         """What its joint adds to its acceleration, axis by axis in its own frame.
 
         Featherstone (2008) eqs. (7.38)-(7.44).
         """
 
-        def gives_way(turned: Any, resistance: Any, tau: Any) -> Any:
+        def eliminates(turned: Any, resistance: Any, tau: Any) -> Any:
             turn = Pose(pose_by_columns(turned).rotation, ZERO)
             back = Pose(turn.rotation.T, ZERO)
             M, P = resistance_of(resistance)
-            steps = M.seen_from_parent(back).give_way(self.kind.axes, back.inward(P), tau, [NO_ROTOR] * self.axes)[2]
+            steps = M.seen_from_parent(back).eliminate(self.kind.axes, back.inward(P), tau, [NO_ROTOR] * self.axes)[2]
             a = accelerations(steps, STILL)
             return a, [*self.kind.motion(a).seen_from_parent(turn)]
 
         reads = ("base.turned", "base.resistance", "base.tau")
-        return Pass("once", Stage(gives_way, reads, ("base.a", "base.added")))
+        return Pass("once", Stage(eliminates, reads, ("base.a", "base.added")))
 
     def is_placed(self) -> Pass:
         """Where it is in the world."""

@@ -35,14 +35,14 @@ def pushed(columns: Columns, order: Order) -> Pass:
     return Pass("outward", Stage(pushes, ("body", "carrier", "motor_torque"), ("motor_torque",)))
 
 
-def let_spin(columns: Columns) -> Pass:
+def with_free_rotor(columns: Columns) -> Pass:
     """Wrench on its carrier due to the spin of a rotor, which does not follow the carrier about its axis."""
 
     def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, borne: Any) -> Any:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
         assert own is not None
         M, P = resistance_of(borne)
-        spun = forward_dynamics.let_spin(own, own.inertia, M, P, Vec3(*omega), A, speed[0], alpha[0])
+        spun = forward_dynamics.with_free_rotor(own, own.inertia, M, P, Vec3(*omega), A, speed[0], alpha[0])
         return packed_resistance(*spun)
 
     reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "borne")

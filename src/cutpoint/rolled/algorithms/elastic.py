@@ -69,7 +69,7 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
 
     passes = [Pass("alone", Stage(drive, ("body", "motor_torque", *state), ("tau", "theta_ddot"))), *rigid.passes]
     if columns.are_coupled:
-        passes = [*_before_inward(passes, coupling.let_spin(columns)), coupling.left_behind(columns)]
+        passes = [*_before_inward(passes, coupling.with_free_rotor(columns)), coupling.left_behind(columns)]
     if not all(drive and drive.is_elastic for drive in columns.models):  # a rigid drive's motor moves with its link
         passes += [Pass("alone", Stage(follow, ("body", "theta_ddot", "a"), ("theta_ddot",)))]
     numbers = (*state, "motor_torque", "a", "theta_ddot")

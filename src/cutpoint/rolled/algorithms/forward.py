@@ -1,13 +1,13 @@
 """Forward dynamics as passes: what one body's step reads and writes, by the mechanics' own steps."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.bodies.articulated import Articulated, Yield
+from cutpoint.mechanics.bodies.articulated import Articulated, AxisResponse
 from cutpoint.mechanics.bodies.joints import dot
-from cutpoint.mechanics.bodies.rigid_body import net_wrench_in_crosses
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Vec3, Wrench
-from cutpoint.mechanics.forward_dynamics import coasting
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia, Motion, Pose, Vec3, Wrench
+from cutpoint.mechanics.system import Segment
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
 from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import Columns
@@ -55,20 +55,22 @@ def forward_dynamics(columns: Columns) -> Steps:
 
     def moves(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
         turned = turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
-        omega, A = coasting(along(row, by_columns(turned)).body, Vec3(*carrier), motion_of(carried), v)
+        omega, A = _coasting(along(row, by_columns(turned)).body, Vec3(*carrier), motion_of(carried), v)
         return by_columns(turned), [*omega], [*A]
 
     def resists(row: Any, turned: Any, omega: Any, coasting: Any) -> Any:
         M = along(row, turned).body.inertia
-        P = net_wrench_in_crosses(M, motion_of(coasting), Vec3(*omega))
+        P = _net_wrench(M, motion_of(coasting), Vec3(*omega))
         return packed_resistance(Articulated.of(M).T, P)  # R J R^T is computed by columns, but needed by rows
 
-    def yields(row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any) -> Any:
+    def eliminates(
+        row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any
+    ) -> Any:
         own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
         if own.spin:
             left = left - own.spin.along(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
-        M_p, P_p, step = give_way(own, M, P, left, M_p, P_p)
+        M_p, P_p, step = eliminate(own, M, P, left, M_p, P_p)
         return [step.own], step.share, packed_resistance(M_p, P_p)
 
     def follows(row: Any, turned: Any, step: Any, share: Any, led: Any) -> Any:
@@ -86,18 +88,18 @@ def forward_dynamics(columns: Columns) -> Steps:
         *([base.resists()] if base else []),
         Pass("outward", Stage(moves, ("body", "pose", "v", "above", "carrier", "carried"), MOTION)),
         Pass("outward", Stage(resists, ("body", *MOTION), ("resistance",))),
-        Pass("inward", Stage(yields, reads, ("step", "share", "borne"))),
-        *([base.gives_way()] if base else []),
+        Pass("inward", Stage(eliminates, reads, ("step", "share", "borne"))),
+        *([base.eliminates()] if base else []),
         Pass("outward", Stage(follows, ("body", "turned", "step", "share", "led"), ("a", "added"))),
     ]
     kept, (apart, constants) = {"pose": pose.size, "step": 1, **THREES}, sizes_apart(base, NUMBERS)
     return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
 
 
-def give_way(
+def eliminate(
     own: Subsystem, M: Articulated, P: Wrench, tau: Scalar, M_p: Articulated, P_p: Wrench
-) -> tuple[Articulated, Wrench, Yield]:
-    """A child's contribution to its parent, inertia and bias wrench, once its joint gives way, and the joint's step.
+) -> tuple[Articulated, Wrench, AxisResponse]:
+    """Inertia and bias wrench of a parent with those of a child, as felt through its joint; and the joint's response.
 
     Featherstone (2008) eqs. (7.38)-(7.44).  The rank-one update is made at the parent's origin, and last, so that
     nothing else waits for the division.  A rotor with full coupling couples the joint to its carrier's rotation.
@@ -110,8 +112,26 @@ def give_way(
     column = X.inward(wrench_of(Mz) + Wrench(ZERO, tie))
     share = [gain * x for x in column]
     taken = Articulated([[-x * s for s in share] for x in column])
-    left_P = P_p + X.inward(P) + Wrench(column.force * a, column.moment * a)
-    return M_p + M.carried_along(X.position) + taken, left_P, Yield(z, a, share)
+    P_left = P_p + X.inward(P) + Wrench(column.force * a, column.moment * a)
+    return M_p + M.carried_along(X.position) + taken, P_left, AxisResponse(z, a, share)
+
+
+def _coasting(body: Segment, omega_p: Vec3, A_p: Motion, v: Sequence[Scalar]) -> tuple[Vec3, Motion]:
+    """Angular velocity and acceleration of a body whose joint keeps its speed, along its parent's axes.
+
+    As `inverse_dynamics.move` has them, in cross products, since each is one operation on three numbers.  omega_p, A_p:
+    of the parent.
+    """
+    own, X = body.motion(v), body.placement
+    omega = omega_p + own.angular
+    linear = omega_p.cross(omega_p.cross(X.position)) + (omega_p + omega).cross(own.linear)
+    return omega, X.outward(A_p) + Motion(linear, omega_p.cross(own.angular))
+
+
+def _net_wrench(M: Inertia, A: Motion, omega: Vec3) -> Wrench:
+    """`rigid_body.net_wrench` of a body that turns with omega (rad/s), in cross products."""
+    V = Motion(ZERO, omega)
+    return M * A + V.cross_wrench(M * V)
 
 
 def turned_pose(above: Pose, X: Pose) -> Pose:

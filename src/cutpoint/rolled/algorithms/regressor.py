@@ -31,11 +31,11 @@ def torque_regressor(columns: Columns) -> Steps:
     number, and the last number that it carries.
     """
     base = base_in(columns)
-    placed, kept = world_poses(columns, [_moves(base, columns.base_turn)] if base else [])
+    placed, kept = world_poses(columns, [_moves(base, columns.base_to_user_axes)] if base else [])
 
     def alone(row: Any, turned: Any, velocity: Any, acceleration: Any) -> Any:
         own, X = columns.subsystem(row), pose_of(turned)
-        own_axes = Pose(X.rotation @ columns.turn(row).T, X.position)
+        own_axes = Pose(X.rotation @ columns.to_user_axes(row).T, X.position)
         wrenches = _of_units(own_axes, motion_of(velocity), motion_of(acceleration))
         return [x for F in wrenches for x in F], [own.number, own.last]
 
@@ -70,12 +70,12 @@ def _entries(kin: Kinship, held: Any, column: Any, wrenches: Any, span: Any) -> 
     return [where(carries, S.power(wrench_of(wrenches[k : k + 6])), 0) for k in range(0, len(wrenches), 6)]
 
 
-def _moves(base: Base, turn: Mat3) -> Pass:
+def _moves(base: Base, to_user_axes: Mat3) -> Pass:
     """A base in its current frame: its motion, and the wrenches per unit of its own parameters."""
 
     def moves(row: Any, q: Any, v: Any, a: Any, world: Any) -> Any:
         V, A = base.kind.motion(v), against_gravity(base, row, q, world) + base.kind.motion(a)
-        wrenches = _of_units(Pose(turn.T, ZERO), V, A)
+        wrenches = _of_units(Pose(to_user_axes.T, ZERO), V, A)
         return [*flat(IDENTITY), *ZERO], [*V], [*A], _by_axis(base, wrenches)
 
     reads = ("base.body", *(f"base.{x}" for x in RATES[:3]), "world.acceleration")

@@ -12,7 +12,7 @@ from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.algorithms.base import base_in
 from cutpoint.rolled.bodies import BASE, columns_of, parents_of
-from cutpoint.rolled.equations.giving_way import giving_way
+from cutpoint.rolled.equations.elimination import elimination
 from cutpoint.rolled.equations.solver import EQUATIONS, Room
 from cutpoint.rolled.memory import Task, aligned
 from cutpoint.rolled.packing import motion_of, wrench_of
@@ -27,8 +27,8 @@ BODIES_AT_ONCE = 8
 """Where each is computed alone."""
 
 
-class Yielding:
-    """By articulated bodies: torques inward, to which joints give way, then accelerations outward.
+class ArticulatedBodies:
+    """By articulated bodies: torques inward, then accelerations outward.
 
     Featherstone (2008) section 7.3, for a robot at rest without gravity.
     """
@@ -41,7 +41,7 @@ class Yielding:
         base = base_in(columns)
         self.speeds, self.shape, self.apart = system.nv, (system.nq,), base.axes if base else 0
         self._parents = parents_of(system)
-        steps, step = giving_way(columns)
+        steps, step = elimination(columns)
         self._task = Task(Recipe(lambda _: steps, ("q",), ("least",), 0), system, columns, "llvm", None)
         bodies = one_by_one(steps, columns, BODIES_AT_ONCE)
         self._rolled = _with_columns(bodies, step, self.lanes, self.apart)
@@ -83,7 +83,7 @@ def _with_columns(rolled: Rolled, step: Kept, lanes: int, axes: int) -> Rolled:
 
 
 def _inward(step: Kept, lanes: int) -> Loop:
-    """Torques to which joints give way, and the wrench that each body hands on to its carrier.
+    """Torques left for joints to accelerate with, and the wrench that each transmits to its carrier.
 
     first: whether a body is the first to do so, and finds there what the previous block has left.
     """
@@ -131,5 +131,5 @@ def _at_base(axes: int, lanes: int) -> Loop:
 
 
 def _step(numbers: Scalars) -> tuple[Motion, Wrench, Scalar, Pose]:
-    """What is kept of one: see `giving_way`."""
+    """What is kept of one: see `elimination`."""
     return motion_of(numbers[:6]), wrench_of(numbers[6:12]), numbers[12], Pose(IDENTITY, Vec3(*numbers[13:]))

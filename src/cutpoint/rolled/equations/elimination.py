@@ -1,4 +1,4 @@
-"""How every joint of a robot gives way, as passes over its bodies: accelerations per unit of torque."""
+"""Elimination of every joint of a robot, as passes over its bodies: accelerations per unit of torque."""
 
 from functools import reduce
 from typing import Any
@@ -9,7 +9,7 @@ from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Wrench
 from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.forward import give_way, turned_pose
+from cutpoint.rolled.algorithms.forward import eliminate, turned_pose
 from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
@@ -31,8 +31,10 @@ UNLIMITED = 1e300
 NOTHING = Wrench(ZERO, ZERO)
 
 
-def giving_way(columns: Columns) -> tuple[Steps, Kept]:
-    """How every joint gives way, and its storage as "step".  Featherstone (2008) eqs. (7.38)-(7.44).
+def elimination(columns: Columns) -> tuple[Steps, Kept]:
+    """Every joint's response to torque and to its carrier, and its storage as "step".
+
+    Featherstone (2008) eqs. (7.38)-(7.44).
 
     A step: the joint's axis, its share of its carrier's acceleration, the acceleration per unit of torque, and the
     body's position in its carrier, along the world's axes.  least: the least articulated inertia of all joints.
@@ -46,21 +48,21 @@ def giving_way(columns: Columns) -> tuple[Steps, Kept]:
     def stands(row: Any, turned: Any) -> Any:
         return packed_inertia(Articulated.of(along(row, turned).body.inertia).T)
 
-    def yields(row: Any, turned: Any, inertia: Any, carrier: Any) -> tuple[list[Scalar], Scalar, list[Scalar]]:
+    def eliminates(row: Any, turned: Any, inertia: Any, carrier: Any) -> tuple[list[Scalar], Scalar, list[Scalar]]:
         own = along(row, turned)
-        left, _, step = give_way(own, articulated_of(inertia), NOTHING, 1, articulated_of(carrier), NOTHING)
+        left, _, step = eliminate(own, articulated_of(inertia), NOTHING, 1, articulated_of(carrier), NOTHING)
         numbers = [*step.axis, *step.share, step.own, *own.body.placement.position]
         return numbers, 1 / step.own, packed_inertia(left)
 
     def inward(row: Any, turned: Any, inertia: Any, carrier: Any, least: Any) -> Any:
-        numbers, D, left = yields(row, turned, inertia, carrier)
+        numbers, D, left = eliminates(row, turned, inertia, carrier)
         return step.some(numbers), left, [minimum(least[0], D)]
 
     def along(row: Any, turned: Any) -> Subsystem:
         return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
     sizes = {"row": columns.width, "turned": 12, "inertia": INERTIA, "carrier": INERTIA}
-    step, reads = Kept(lambda **x: yields(**x)[0], **sizes), ("body", "turned", "inertia", "resisted")
+    step, reads = Kept(lambda **x: eliminates(**x)[0], **sizes), ("body", "turned", "inertia", "resisted")
     passes = [
         Pass("alone", place),
         Pass("once", Stage(lambda: [UNLIMITED], (), ("least",))),
@@ -68,7 +70,7 @@ def giving_way(columns: Columns) -> tuple[Steps, Kept]:
         Pass("outward", Stage(turns, ("body", "pose", "above"), ("turned",))),
         Pass("outward", Stage(stands, ("body", "turned"), ("inertia",))),
         Pass("inward", Stage(inward, (*reads, "least"), ("step", "resisted", "least"))),
-        *([_gives_way(base)] if base else []),
+        *([_eliminates(base)] if base else []),
     ]
     kept = {"pose": pose.size, "turned": 12, "inertia": INERTIA, "step": step.size}
     views = (View("above", "turned", "parent"), View("resisted", "inertia", "parent"))
@@ -89,10 +91,10 @@ def _stands(base: Base) -> Pass:
     return Pass("once", Stage(stands, ("base.body", "base.q"), ("base.turned", "base.inertia")))
 
 
-def _gives_way(base: Base) -> Pass:
-    """How a base gives way, with all its axes at once."""
+def _eliminates(base: Base) -> Pass:
+    """A base's response, with all its axes at once."""
 
-    def gives_way(turned: Any, inertia: Any, least: Any) -> Any:
+    def eliminates(turned: Any, inertia: Any, least: Any) -> Any:
         turn, M, n = Pose(pose_by_columns(turned).rotation, ZERO), articulated_of(inertia), base.axes
         axes = [S.seen_from_parent(turn) for S in base.motions()]
         lower = [[dot([*S], [dot(row, [*z]) for row in M.rows]) for S in axes] for z in axes]
@@ -100,4 +102,4 @@ def _gives_way(base: Base) -> Pass:
         gains = [x for k in range(n) for x in solve(factors, [int(j == k) for j in range(n)])]
         return [*gains, *(x for S in axes for x in S)], [reduce(minimum, [factors.L[k][k] for k in range(n)], least[0])]
 
-    return Pass("once", Stage(gives_way, ("base.turned", "base.inertia", "least"), ("base.step", "least")))
+    return Pass("once", Stage(eliminates, ("base.turned", "base.inertia", "least"), ("base.step", "least")))
