@@ -71,13 +71,14 @@ def elastic_inverse_dynamics(
     needed = rates if any(d.drive.is_elastic for d in drives) else rates[:2]
     v = [Jet(*x) for x in zip(*needed, strict=True)]
     a = [x.rate() for x in v]
+    # outward: the motion of each body, and the wrench and torques that it takes, with their derivatives
     moved = motions(system, coordinate_jets(system, q, v), v, None)
     F = net_wrenches(system, moved, v, a)
+    tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
     whole_at = _whole_at(system, drives)
-    found: dict[int, MotorMotion] = {}
+    motors: dict[int, MotorMotion] = {}
     spins = {spin.joint: spin for spin in system.spins if spin.elastic}
     strained = {d.segment: s for d, s in zip(drives, or_unknown(strains, drives), strict=True)}
-    tau: list[Jet] = [_as_jet(x) for x in rotor_efforts(system, moved, a)]
     # inward: each joint's torque, its motor's motion, and the wrenches of rotor and body on the carrier
     for i, segment in reversed([*enumerate(system.segments)]):
         for k, effort in enumerate(segment.joint.effort(F[i]), segment.v.start):
@@ -86,17 +87,17 @@ def elastic_inverse_dynamics(
             driven = whole_at[i]
             held = strained[driven.segment]
             at = tau[driven.v], q[driven.q], v[driven.v]
-            found[driven.segment] = motor_motion(driven.drive, *at, held, friction_rates=options.friction_rates)
+            motors[driven.segment] = motor_motion(driven.drive, *at, held, friction_rates=options.friction_rates)
         if i in spins:
-            F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, found[i], v, a, system, options)
+            F[spins[i].carrier] = F[spins[i].carrier] + _spin_wrench(spins[i], moved, motors[i], v, a, system, options)
         if segment.parent != WORLD:
             F[segment.parent] = F[segment.parent] + moved[i].X.inward(F[i])
-    torques = [motor_torque(d.drive, found[d.segment], strained[d.segment].motor) for d in drives]
+    torques = [motor_torque(d.drive, motors[d.segment], strained[d.segment].motor) for d in drives]
     # a rotor with full coupling also turns with its carrier
     for k, spin in enumerate(spins.get(d.segment) for d in drives):
         if spin:
             torques[k] = torques[k] + value_of(spin.along(moved[spin.carrier].A.angular))
-    theta, theta_dot, theta_ddot = ([found[d.segment].theta.derivative(k) for d in drives] for k in range(3))
+    theta, theta_dot, theta_ddot = ([motors[d.segment].theta.derivative(k) for d in drives] for k in range(3))
     return ElasticTorques(torques, theta, theta_dot, theta_ddot, [t.derivative(0) for t in tau])
 
 
