@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from hypothesis import strategies as st
 
 from cutpoint.scalars import atan, clip, cos, exp, log, maximum, minimum, sin, sqrt, tan, tanh, where
@@ -63,3 +64,28 @@ def cook_unbounded(recipe: list[Step], inputs: list[Any]) -> list[Any]:
         # x - x is a plain float already; Python's own functions would refuse some of those
         values.append(x if isinstance(found, float) else found)
     return values[-3:]
+
+
+def every_turned_sign(x: Any) -> Any:
+    """A fused result whose sign is changed, alone and wherever a fused operation changes one; used once each."""
+    fused = [a * b + c for a, b, c in zip(x[0:5], x[1:6], x[2:7], strict=True)]
+    return [-fused[0], x[7] * x[8] - fused[1], x[7] - fused[2] * x[8], x[8] - fused[3] * fused[4]]
+
+
+def choices_between_zeros(x: Any) -> Any:
+    """Minima, maxima and bounds, which compilers recognise, and zeros of either sign, which they may confuse."""
+    q, p = x
+    low = [where(q < 0, -0.0, q), where(q <= 0, p, -0.0), where(q > 0, q, -0.0)]
+    bounds = [
+        maximum(q, -0.0),
+        minimum(-0.0, q),
+        -maximum(-q, 0.0),
+        minimum(0.0, -q),
+    ]
+    both = [clip(q, -0.0, p), where(-p < q, -p, q), where(q < 0, -q, q)]
+    return [*low, *bounds, *both, 1 / where(q < 0, -0.0, q)]
+
+
+def signed_ones_and_zeros(size: int) -> np.ndarray:
+    """Rows for the two functions above, where exact zeros of either sign come about."""
+    return np.random.default_rng(2).choice([0.0, -0.0, 1.0, -1.0], (400, size))

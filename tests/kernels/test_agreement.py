@@ -12,7 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 from emitters import EXACT, Rows, bounded_row, flat, numpy_rows, single, sympy_row
-from graph_recipes import Step, cook, cook_unbounded, steps, unbounded_steps
+from graph_recipes import (
+    Step,
+    choices_between_zeros,
+    cook,
+    cook_unbounded,
+    every_turned_sign,
+    signed_ones_and_zeros,
+    steps,
+    unbounded_steps,
+)
 from hypothesis import Phase, given, note, settings
 from hypothesis import strategies as st
 
@@ -65,6 +74,15 @@ def test_emitters_give_the_bits_of_machine_code_for_robots(
     kernel, rows = robot_kernel(robot, function), robot_rows(robot, function)
     for ours, theirs in zip(EXACT[emitter](kernel, tmp_path)(rows), single(kernel, tmp_path)(rows), strict=True):
         assert_same_bits(ours, theirs)
+
+
+@pytest.mark.parametrize("emitter", EXACT)
+@pytest.mark.parametrize(("function", "size"), [(every_turned_sign, 9), (choices_between_zeros, 2)])
+def test_emitters_keep_the_signs_of_exact_zeros(function: Any, size: int, emitter: str, tmp_path: Path) -> None:
+    kernel, rows = compile(function, x=size, backend="llvm"), [signed_ones_and_zeros(size)]
+    (found,), (expected,) = EXACT[emitter](kernel, tmp_path)(rows), single(kernel, tmp_path)(rows)
+    assert np.count_nonzero(expected == 0) > 100
+    assert_same_bits(found, expected)
 
 
 @pytest.mark.parametrize(("robot", "function"), ROBOTS)

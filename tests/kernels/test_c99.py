@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from graph_recipes import cook, steps
+from graph_recipes import choices_between_zeros, cook, every_turned_sign, signed_ones_and_zeros, steps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -51,38 +51,18 @@ def test_every_operation_has_the_bits_of_machine_code(compiler: str, flags: tupl
         assert_same_bits(function(x, k)[0], kernel(x, k))
 
 
-def every_turned_sign(x: Any) -> Any:
-    """A fused result whose sign is changed, alone and wherever a fused operation changes one; used once each."""
-    fused = [a * b + c for a, b, c in zip(x[0:5], x[1:6], x[2:7], strict=True)]
-    return [-fused[0], x[7] * x[8] - fused[1], x[7] - fused[2] * x[8], x[8] - fused[3] * fused[4]]
-
-
 @pytest.mark.parametrize("flags", FLAGS, ids=" ".join)
 @pytest.mark.parametrize("compiler", compilers(), ids=lambda path: Path(path).name)
 def test_exact_zeros_of_fused_operations_keep_their_sign(compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
     kernel = compile(every_turned_sign, x=9, backend="llvm")
     kernel.to_c(tmp_path)
     function = CFunction(tmp_path, "every_turned_sign", kernel.graph, compiler, flags)
-    rng, zeros = np.random.default_rng(2), 0
-    for x in rng.choice([0.0, -0.0, 1.0, -1.0], (400, 9)):
+    zeros = 0
+    for x in signed_ones_and_zeros(9):
         expected = kernel(x)
         zeros += np.count_nonzero(expected == 0)
         assert_same_bits(function(x)[0], expected)
     assert zeros > 100
-
-
-def choices_between_zeros(x: Any) -> Any:
-    """Minima, maxima and bounds, which compilers recognise, and zeros of either sign, which they may confuse."""
-    q, p = x
-    low = [cutpoint.where(q < 0, -0.0, q), cutpoint.where(q <= 0, p, -0.0), cutpoint.where(q > 0, q, -0.0)]
-    bounds = [
-        cutpoint.maximum(q, -0.0),
-        cutpoint.minimum(-0.0, q),
-        -cutpoint.maximum(-q, 0.0),
-        cutpoint.minimum(0.0, -q),
-    ]
-    both = [cutpoint.clip(q, -0.0, p), cutpoint.where(-p < q, -p, q), cutpoint.where(q < 0, -q, q)]
-    return [*low, *bounds, *both, 1 / cutpoint.where(q < 0, -0.0, q)]
 
 
 @pytest.mark.parametrize("flags", [("-O1",), *FLAGS], ids=" ".join)
