@@ -65,6 +65,12 @@ def test_elementary_functions_are_as_accurate_as_they_say(function: str) -> None
     assert worst <= ulp
 
 
+@pytest.mark.parametrize("function", ["sin", "cos", "tan"])
+def test_angles_beyond_the_stated_limit_have_no_sine(function: str) -> None:
+    found = kernel(function)(both_signs(np.array([1.76e15, 1.77e15, 1e300])))
+    assert np.isnan(found).tolist() == [False, True, True] * 2
+
+
 NAN, INF = math.nan, math.inf
 LIMITS: dict[str, list[tuple[float, float]]] = {
     "sin": [(0, 0), (INF, NAN), (-INF, NAN), (1e300, NAN), (-1e300, NAN)],

@@ -15,17 +15,17 @@ from cutpoint.kernels.lowering.coefficients import Coefficients
 
 
 def sin(x: Any, c: Coefficients) -> Any:
-    """Within 1.9 ulp for |x| <= 1e5; NaN beyond 1.7e15.  Single: within 3.2 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
+    """Within 1.9 ulp for |x| <= 1e5; NaN beyond 1.77e15.  Single: within 3.2 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
     return _sin_cos(x, c, _by_steps)[0]
 
 
 def cos(x: Any, c: Coefficients) -> Any:
-    """Within 1.9 ulp for |x| <= 1e5; NaN beyond 1.7e15.  Single: within 3.2 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
+    """Within 1.9 ulp for |x| <= 1e5; NaN beyond 1.77e15.  Single: within 3.2 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
     return _sin_cos(x, c, _by_steps)[1]
 
 
 def tan(x: Any, c: Coefficients) -> Any:
-    """Within 4 ulp for |x| <= 1e5; NaN beyond 1.7e15.  Single: within 4.9 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
+    """Within 4 ulp for |x| <= 1e5; NaN beyond 1.77e15.  Single: within 4.9 ulp for |x| <= 3.2e6, NaN beyond 3.3e6."""
     sine, cosine = _sin_cos(x, c, _polynomial)  # the errors of both add up, so it uses the more accurate polynomial
     return sine / cosine
 
