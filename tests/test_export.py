@@ -339,22 +339,29 @@ def test_a_package_within_a_project_has_the_name_of_an_installed_one(arm: cutpoi
         assert done.returncode == 0, done.stderr
 
 
-def test_the_package_builds_installs_and_serves_cpp(arm: cutpoint.Robot, tmp_path: Path) -> None:
-    """By CMake where it is installed, otherwise by hand."""
-    export_function(arm, "mass_matrix", tmp_path)
+def test_the_package_builds_installs_and_is_found(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """By CMake where it is installed, otherwise by hand; also with capitals in its name."""
+    export_function(arm, "mass_matrix", tmp_path, name="massMatrix")
+    (tmp_path / "ours").mkdir()
+    (tmp_path / "ours" / "ours.c").write_text('#include "massMatrix.h"\nint main(void) { return massMatrix == 0; }\n')
+    (tmp_path / "ours" / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.12)\nproject(ours LANGUAGES C)\nfind_package(massMatrix REQUIRED)\n"
+        "add_executable(ours ours.c)\ntarget_link_libraries(ours cutpoint::massMatrix)\n"
+    )
     if shutil.which("cmake"):
         for command in (
             "cmake -B build",
             "cmake --build build",
             "ctest --test-dir build",
             "cmake --install build --prefix there",
+            f"cmake -S ours -B ours/build -DCMAKE_PREFIX_PATH={tmp_path / 'there'}",
+            "cmake --build ours/build",
         ):
             done = subprocess.run(command.split(), cwd=tmp_path, capture_output=True, text=True, check=False)
             assert done.returncode == 0, done.stdout + done.stderr
-        assert (tmp_path / "there/include/mass_matrix.hpp").exists()
-        assert [*(tmp_path / "there").rglob("mass_matrix-config.cmake")]
+        assert (tmp_path / "there/include/massMatrix.hpp").exists()
     else:
-        build(tmp_path, "mass_matrix.c", "mass_matrix_check.c", "-o", "check")
+        build(tmp_path, "massMatrix.c", "massMatrix_check.c", "-o", "check")
         assert run(tmp_path)[0] == 0
 
 
