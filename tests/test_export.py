@@ -229,9 +229,37 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
     tree = cutpoint.load(tmp_path / "free.xml")
     export_controller(tree, PD([1.0], [1.0]), tmp_path, control_period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
-    assert "in   q: 1, not read; rad (m): driven" in header and "in   theta: 1, rad (m): driven" in header
+    assert "in   q: 1, measured, of the links, not read; rad (m): driven\n" in header
+    assert "in   theta: 1, measured, of the motors, rad (m): driven\n" in header
+    assert "in   reference_a: 1, desired, of the links, not read; rad/s2" in header
+    assert "out  fault: a number, 0, unless the law itself reports one" in header
     assert "feedforward_torque: 1, N m (N), already included in torque" in header
     assert f"to be called every {PERIOD:g} s" in header
+
+
+def test_the_header_of_a_guarded_law_says_what_to_give_without_an_encoder(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """A guard would watch a position of 0, which never leaves its limits."""
+    law = Guard(arm, PD([1.0] * 6, [1.0] * 6), torque_limit=200.0, upper=1.0)
+    export_controller(arm, law, tmp_path, control_period=PERIOD)
+    header = (tmp_path / "control_step.h").read_text()
+    assert len(re.findall(r"in   (?:q|v|theta|theta_dot): .*; NaN where there is no encoder\n", header)) == 4
+    step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph)
+    tables = law_memory(law), law_parameters(law, PERIOD)
+    far, still, absent = np.full(6, 2.0), np.zeros(6), np.full(6, np.nan)
+    *_, fault, _ = step(absent, absent, far, still, *[still] * 5, 0.0, *tables)
+    assert fault == Fault.POSITION
+
+
+def test_the_header_says_which_parameters_change_nothing(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    """The guard has limits of its own; the drives' are beside them, and count for nothing."""
+    law = Guard(arm, PD([1.0] * 6, [1.0] * 6) + Feedforward(arm, "elastic"), torque_limit=200.0)
+    export_controller(arm, law, tmp_path, control_period=PERIOD)
+    header, source = ((tmp_path / f"control_step.{kind}").read_text() for kind in "hc")
+    table = header[header.index("control_step_parameters[") :].split("};")[0]
+    labels = re.findall(r"/\* (.*): \S+ \*/", table)
+    unread = {k for k, label in enumerate(labels) if label.startswith("not read; ")}
+    assert {*range(len(labels))} - unread == {int(k) for k in re.findall(r"\bparameters\[(\d+)\];", source)}
+    assert "not read; Guard law parts[1] joint1 limits effort" in labels and "Guard torque_limit[0]" in labels
 
 
 def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot, tmp_path: Path) -> None:
@@ -257,6 +285,17 @@ def test_the_header_names_rows_and_columns(arm: cutpoint.Robot, tmp_path: Path) 
     assert "about the world's origin" in said["momentum"] and "joint1" not in said["momentum"]
     export_function(arm, "jacobian", tmp_path, name="f", frame="link3", expressed_in="local_world_aligned")
     assert "of frame link3, along the world's axes" in (tmp_path / "f.h").read_text()
+
+
+def test_the_header_names_rows_and_columns_of_matrices(tmp_path: Path) -> None:
+    robot, said = mixed(), {}
+    speeds, drives, coefficients = map(", ".join, (robot.joints, robot.drives, robot.drive_coefficients))
+    for function in ("mass_matrix", "coriolis_matrix", "drive_regressor"):
+        export_function(robot, function, tmp_path, name="f")
+        said |= dict(re.findall(r"out  (\w+): [^,]*, (.*)", (tmp_path / "f.h").read_text()))
+    assert said["M"] == f"kg m2 (kg m, kg); rows and columns: {speeds}"
+    assert said["C"].endswith(f"; rows and columns: {speeds}")
+    assert said["link"] == said["motor"] == f"SI units; rows: torques of {drives}; columns: per unit of {coefficients}"
 
 
 def test_the_header_names_rows_and_columns_of_derivatives(tmp_path: Path) -> None:

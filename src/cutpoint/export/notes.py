@@ -1,36 +1,46 @@
 """Notes on arguments for an exported function's header: units, the order of joints, the drives' numbers."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cutpoint.control import Fault
+from cutpoint.control.interface import SENSED
 from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, named_parts
-from cutpoint.simulation.control_kernel import ControlStep
+from cutpoint.simulation.control_kernel import REFERENCE, ControlStep
 
-_POSITIONS = ("theta", "deflection", "motor_reference")
+_POSITIONS = ("theta", "motor_reference")
 _SPEEDS = ("theta_dot", "motor_speed_reference")
 _UNITS = {
     "q": "rad (m)", "q_next": "rad (m)", "v": "rad/s (m/s)", "a": "rad/s2 (m/s2)", "jerk": "rad/s3 (m/s3)",
-    "snap": "rad/s4 (m/s4)", "theta_ddot": "rad/s2 (m/s2)", "M": "kg m2", "C": "N m s",
+    "snap": "rad/s4 (m/s4)", "theta_ddot": "of the motors, rad/s2 (m/s2)",
+    "deflection": "by which the motors lead their links, rad (m)",
     "pose": "rotation and position (m) in the world", "energy": "J",
     "h": "linear (kg m/s), then angular momentum (kg m2/s) about the world's origin, along its axes",
     "q_dot": "rad/s (m/s)", "dt": "s", "time": "s, of the measurement, from any origin",
     "memory": "of the law: initially the table whose name ends in _memory, then next_memory of the previous step",
     "next_memory": "the memory of the next step",
-    "fault": "what a Guard found first: " + ", ".join(f"{fault.value} {fault.name.lower()}" for fault in Fault),
+    "fault": "what a Guard found first, kept until memory starts anew: "
+    + ", ".join(f"{fault.value} {fault.name.lower()}" for fault in Fault),
     "feedforward_torque": "N m (N), already included in torque",
-    **dict.fromkeys(_POSITIONS, "rad (m)"), **dict.fromkeys(_SPEEDS, "rad/s (m/s)"),
+    **dict.fromkeys(_POSITIONS, "of the motors, rad (m)"), **dict.fromkeys(_SPEEDS, "of the motors, rad/s (m/s)"),
     **dict.fromkeys(("torque", "tau", "motor_torque", "joint_torque"), "N m (N)"),
 }  # fmt: skip
-PER_DRIVE = {*_POSITIONS, *_SPEEDS, "theta_ddot", "motor_torque", *ControlStep._fields[:4]}
+PER_DRIVE = {*_POSITIONS, *_SPEEDS, "deflection", "theta_ddot", "motor_torque", *ControlStep._fields[:4]}
 """Arguments with an entry a drive."""
+_OF_LAWS = {
+    "q": "measured, of the links", "v": "measured, of the links", "theta": "measured", "theta_dot": "measured",
+    **dict.fromkeys(REFERENCE, "desired, of the links"), "torque": "of the motors", "motor_reference": "desired",
+    "motor_speed_reference": "desired",
+}  # fmt: skip
+"""Words on a law's arguments, before their units."""
 _AXES = {
     "local": "along the frame's own axes",
     "local_world_aligned": "along the world's axes",
@@ -50,6 +60,8 @@ def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = 
         f"columns: speeds of {speeds}",
         "regressor": f"rows: torques of {speeds}; columns: ten for each of {bodies}: mass (kg), mass times centre of "
         "mass x y z (kg m), inertia about the body's origin xx xy xz yy yz zz (kg m2), in its frame of the robot file",
+        "mass_matrix": f"kg m2 (kg m, kg); rows and columns: {speeds}",
+        "coriolis_matrix": f"torque per speed, SI units; rows and columns: {speeds}",
         "power_flows": "W, outward through the cuts from " + ", ".join(f"{c.inner} to {c.outer}" for c in robot.cuts),
     }
     return told.get(function, "")
@@ -68,6 +80,8 @@ def notes_of(
     result: of its only output.  per_drive: arguments with an entry per drive.
     """
     kept = {key: value for key, value in values.items() if key in [p.name for p in function.inputs]}
+    if isinstance(function, Graph) and "parameters" in kept:
+        kept["parameters"] = _marked(function, "parameters", kept["parameters"])
     told = {p.name: _told(robot, p.name, p.shape, per_drive) for p in (*function.inputs, *function.outputs)}
     if result:
         told[function.outputs[0].name] = result
@@ -77,14 +91,28 @@ def notes_of(
     return Notes(f"{about}.  SI units and radians, {sides if robot.drives else 'at the joints'}.", told, kept)
 
 
+def notes_of_law(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values], *, is_guarded: bool) -> Notes:
+    """The notes on the arguments of a law's step."""
+    notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
+    told = {name: f"{_OF_LAWS[name]}, {x}" if name in _OF_LAWS else x for name, x in notes.arguments.items()}
+    if is_guarded:
+        told |= {name: f"{told[name]}; NaN where there is no encoder" for name in SENSED}
+    else:
+        told["fault"] = "0, unless the law itself reports one: it has no Guard"
+    return replace(notes, arguments=told)
+
+
 def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[str]) -> str:
     """Unit and order of an argument."""
     if name == "parameters":
-        return "numbers of the drives, and others listed below"
+        return "the table whose name ends in _parameters: numbers of the drives, and others listed there"
     if name.startswith("wrench_"):
         return "on the robot: force (N), then moment (N m), at its frame's origin, along its axes"
     if name == "strains":
         return f"rad (m): {', '.join(robot.strain_names)}"
+    if name in ("link", "motor"):
+        columns = ", ".join(robot.drive_coefficients)
+        return f"SI units; rows: torques of {', '.join(robot.drives)}; columns: per unit of {columns}"
     if name.startswith("d_"):
         return _slopes_told(robot, name)
     unit = _UNITS.get(name.removeprefix("reference_"), "SI units")
@@ -98,6 +126,13 @@ def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[s
 def _unread(graph: Graph) -> set[str]:
     """Inputs that no result depends on."""
     return {port.name for port in graph.inputs} - graph.inputs_read
+
+
+def _marked(graph: Graph, name: str, values: Values) -> Values:
+    """An input's values; labels say which of them no result depends on, since changing these changes nothing."""
+    first = sum(port.size for port in graph.inputs[: [port.name for port in graph.inputs].index(name)])
+    slots = enumerate(values.labels, first)
+    return values._replace(labels=[x if k in graph.slots_read else f"not read; {x}" for k, x in slots])
 
 
 def _slopes_told(robot: Robot, name: str) -> str:

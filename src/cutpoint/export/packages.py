@@ -16,7 +16,7 @@ from cutpoint.control.law import structure_of
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export.notes import PER_DRIVE, drive_labels, labels_of, notes_of, result_of
+from cutpoint.export.notes import PER_DRIVE, drive_labels, labels_of, notes_of, notes_of_law, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.traits import TRAITS
 from cutpoint.kernels.graphs.precision import PRECISIONS
@@ -122,7 +122,7 @@ def export_controller(
     limits = "no limits but the guard's" if has_guard else "limits not applied"
     told = "in single precision, " * single
     about = f"a step of {structure_of(law)} for {robot.name}, {limits}, {told}to be called every {period:g} s"
-    notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
+    notes = notes_of_law(robot, graph, about, values, is_guarded=has_guard)
     carried = {"memory": "next_memory"} if memory.size else {}
     notes = replace(notes, carried=carried, series={"time": partial(_passing, period)})
     return c99_package.write_package(graph, name, folder, notes, force=force)
