@@ -72,7 +72,8 @@ def check_names(function: str, inputs: Sequence[Port], outputs: Sequence[Port]) 
         is_one = re.fullmatch("(?!cutpoint_)[A-Za-z][A-Za-z0-9_]{0,127}", name)
         if not is_one or name in _RESERVED or _MACROS.fullmatch(name):
             kinds = "at most 128 ASCII letters, digits and underscores"
-            rule = f"must start with a letter, hold {kinds}, and not be a keyword or macro of C"
+            looks = "look like a keyword or macro of C, as capitals with an underscore do"
+            rule = f"must start with a letter but not with 'cutpoint_', hold {kinds}, and not {looks}"
             raise InputError(f"{function}: {name!r} cannot be a name in C; it {rule}: rename it", name=name)
     if _LIBRARY.fullmatch(function):
         owner = "C's own library, its build or Eigen"
