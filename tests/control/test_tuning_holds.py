@@ -292,9 +292,11 @@ def test_a_shorter_period_is_advised_where_it_helps(kind, helps):
         tune(ours, 200.0, kind, control_period=PERIOD / 4)
 
 
-def test_a_control_period_in_milliseconds_is_told_in_seconds():
-    with pytest.raises(InputError, match=r"a control_period of 0\.001 s holds"):
-        tune(elbow(), 2.0, control_period=1.0)
+@pytest.mark.parametrize(("given", "told"), [(1.0, "0.001"), (250.0, "0.00025"), (1000.0, "0.001")])
+def test_a_control_period_in_other_units_is_told_in_seconds(given, told):
+    """In milliseconds and in microseconds; in a thousand seconds a mode grows millionfold, but slowly by the second."""
+    with pytest.raises(InputError, match=f"a control_period of {told} s holds"):
+        tune(robots.xia2019(), 2.0, control_period=given)
 
 
 def test_gains_that_hardly_hold_are_said_with_what_margins_finds():

@@ -37,6 +37,9 @@ SHORTER = 4
 LONG = 0.1
 """s: a control period as long may be meant in ms."""
 
+VERY_LONG = 20.0
+"""s: a control period as long may be meant in microseconds."""
+
 FRAGILE = 10.0
 """Times that a loop amplifies disturbances at most: a torque that is 11 % larger may then make it unstable."""
 
@@ -79,7 +82,8 @@ def check_holds(
     def answer(law: Any, period: float) -> _Answer:
         loop = sampled_loop("tune", robot, law, q, period, sensors)
         pole = slowest_of(loop, period)
-        is_held = pole.size <= STEADY or np.log(pole.size) / period <= stopped
+        # friction has no time to act within a period in which a mode grows manyfold
+        is_held = pole.size <= STEADY or np.log(pole.size) / min(period, 1.0) <= stopped
         return _Answer(pole, is_held, peak_sensitivity(loop) if pole.size <= STEADY else np.zeros(len(robot.drives)))
 
     def would_hold(law: Any, period: float) -> bool:
@@ -97,7 +101,7 @@ def check_holds(
     what = f"{worst.joint!r} would {moves} and grow by {growth:.3g} nepers a second"
     better = next((f"{hertz:.3g} Hz" for hertz, make in others if would_hold(make(), period)), "")
     remedies = [f"a bandwidth of {better} holds" if better else "ask for another bandwidth"]
-    shorter = period / (SHORTER if period < LONG else 1000)
+    shorter = period / (SHORTER if period < LONG else 1e3 if period < VERY_LONG else 1e6)
     if would_hold(law, shorter):
         remedies.append(f"a control_period of {shorter:.3g} s holds")
     if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
