@@ -274,6 +274,18 @@ def test_a_law_leaves_as_c_by_its_name(options: list[str], guarded: bool, tmp_pa
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
 
 
+def test_an_exported_guard_says_which_joints_it_does_not_limit(tmp_path: Path) -> None:
+    limit = "  joint1:\n    limits: {torque: 100}\n"
+    drives = tmp_path / "some.yaml"
+    drives.write_text(robots.XIA2019_DRIVES.read_text("utf-8").replace("  joint1:\n", limit, 1), "utf-8")
+    arm = [str(robots.XIA2019_URDF), "--drives", str(drives), str(tmp_path / "law"), "--law", "PD", "--bandwidth", "4"]
+    said = " ".join(printed("export", *arm, "--guard").split())
+    others = ", ".join(f"'joint{k}'" for k in range(2, 7))
+    assert f"note: the guard has no torque limit for {others}: state it in the robot file" in said
+    assert f"note: the guard has no speed limit for 'joint1', {others}: state it in" in said
+    assert "note:" not in printed("export", *arm)
+
+
 def test_a_function_leaves_as_c_with_its_options(tmp_path: Path) -> None:
     function, arm = "elastic_inverse_dynamics", robots.xia2019()
     printed("export", "xia2019", str(tmp_path / "found"), "--function", function, "--quasi-rigid", "--friction-rates")

@@ -1,7 +1,9 @@
 """Control laws by name, with gains by bandwidth."""
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, get_args
 
+import numpy as np
 import typer
 
 import cutpoint
@@ -71,3 +73,11 @@ def law_of(
     if not has_model and feedforward != "none":
         tuned = tuned + control.Feedforward(robot, feedforward or "elastic")
     return control.Guard(robot, tuned) if guard else tuned
+
+
+def unlimited(guard: Any) -> Iterator[str]:
+    """Notes on joints whose torque or speed a guard does not limit, since neither robot nor drive file does."""
+    for what, limits in (("torque", guard.torque_limit), ("speed", guard.speed_limit)):
+        names = [repr(name) for name, limit in zip(guard.robot.drives, limits, strict=True) if np.isinf(limit)]
+        if names:
+            yield f"the guard has no {what} limit for {', '.join(names)}: state it in the robot file or the drive file"
