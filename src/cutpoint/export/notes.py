@@ -131,8 +131,8 @@ def _unread(graph: Graph) -> set[str]:
 def _marked(graph: Graph, name: str, values: Values) -> Values:
     """An input's values; labels say which of them no result depends on, since changing these changes nothing."""
     first = sum(port.size for port in graph.inputs[: [port.name for port in graph.inputs].index(name)])
-    slots = enumerate(values.labels, first)
-    return values._replace(labels=[x if k in graph.slots_read else f"not read; {x}" for k, x in slots])
+    read = {x.args[0] for x in graph.nodes if x.op == "input"}
+    return values._replace(labels=[x if k in read else f"not read; {x}" for k, x in enumerate(values.labels, first)])
 
 
 def _slopes_told(robot: Robot, name: str) -> str:

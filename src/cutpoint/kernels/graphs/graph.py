@@ -42,12 +42,7 @@ class Graph:
     def inputs_read(self) -> frozenset[str]:
         """Names of the inputs that any result depends on."""
         names = [port.name for port in self.inputs for _ in range(port.size)]
-        return frozenset(names[k] for k in self.slots_read)
-
-    @cached_property
-    def slots_read(self) -> frozenset[int]:
-        """Those of the inputs' numbers, counted through all inputs, that any result depends on."""
-        return frozenset(x.args[0] for x in self.nodes if x.op == "input")
+        return frozenset(names[x.args[0]] for x in self.nodes if x.op == "input")
 
     @cached_property
     def operations(self) -> dict[str, int]:
