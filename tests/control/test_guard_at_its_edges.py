@@ -13,7 +13,7 @@ from test_guard import LIMIT, MOVE, PERIOD, WHILE, assert_reacts, guarded
 from cutpoint import InputError, Limits, Robot, Sensors, simulate
 from cutpoint.control import PD, DisturbanceObserver, Fault, Guard, Measurement, Reference, SpeedFilter
 from cutpoint.control.law import needs_of
-from cutpoint.scalars import leaves, where
+from cutpoint.scalars import leaves, rebuild, where
 from cutpoint.trajectories import cycloid
 
 
@@ -118,6 +118,16 @@ def test_a_stamp_may_come_half_a_period_early_or_late(periods, fault):
     after, command = guard.step(memory, *rest(0.3 + periods * PERIOD))
     assert command.fault == fault
     assert after.severity == {Fault.NONE: 0, Fault.STALE: 1, Fault.DEADLINE: 2}[fault]
+
+
+def test_a_memory_that_was_never_started_is_a_fault():
+    """As of zeros, which a C program may begin with: without torque, and without a word of it, the arm would fall."""
+    guard = guarded(PD([9.0] * 2, [1.0] * 2))
+    zeros = rebuild(guard.start(), iter([0.0] * len(leaves(guard.start()))))
+    for time in (PERIOD, 5.0):
+        after, command = guard.step(zeros, *rest(time))
+        assert command.fault == Fault.MEMORY
+        assert after.severity == 3 and not np.any(command.torque)
 
 
 def test_a_sensor_that_the_law_does_not_need_is_no_fault_and_changes_nothing():

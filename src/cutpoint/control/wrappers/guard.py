@@ -31,7 +31,7 @@ class Fault(IntEnum):
     MEASUREMENT: a number that the law needs is not finite; the law then reads the last that was.  STALE: the time stamp
     stands still.  DEADLINE: a measurement comes half a period late or later.  SPEED: a joint's limit is passed by
     either encoder.  POSITION: it is by the link's or, where that says nothing, by the motor's.  COMMAND: what the law
-    commands is not finite.
+    commands is not finite.  MEMORY: the guard's is none that began with `start`, such as zeros in a C program.
     """
 
     NONE = 0
@@ -41,10 +41,12 @@ class Fault(IntEnum):
     SPEED = 4
     POSITION = 5
     COMMAND = 6
+    MEMORY = 7
 
 
 REACTIONS = {
     "measurement": "hold", "stale": "hold", "deadline": "ramp", "speed": "ramp", "position": "ramp", "command": "ramp",
+    "memory": "stop",
 }  # fmt: skip
 """To faults by name, unless a guard is given others."""
 
@@ -70,8 +72,8 @@ class Guard(Wrapper):
 
     "hold" keeps the last safe torque; "ramp" takes it to zero within ramp_time (s); "stop" drops it at once.  None of
     them brakes, and a ramp keeps pushing in the direction of the last torque: choose "stop" where that torque caused an
-    overspeed.  A later fault can only make the reaction more severe.  "measurement" and "stale" are held and the other
-    faults ramp, unless `reactions` has another entry.
+    overspeed.  A later fault can only make the reaction more severe.  "measurement" and "stale" are held, "memory"
+    stops and the other faults ramp, unless `reactions` has another entry.
     Torques are clipped to torque_limit, which is no fault.  Limits default to those of the robot's joints and drives;
     given ones are one per drive or one for all: torque_limit (N m), speed_limit (rad/s), lower and upper (rad).
     A law that stops learning at a torque limit does not know a guard's own: state it there too.  What is added outside
@@ -160,6 +162,7 @@ class Guard(Wrapper):
         late = m.time - memory.time
         speeds, limits = [*m.v, *m.theta_dot], [*self.speed_limit] * 2
         happened = {
+            Fault.MEMORY: where(memory.share > 0, 0.0, where(memory.fault > 0, 0.0, 1.0)),
             Fault.MEASUREMENT: odd,
             Fault.STALE: where(late < m.period / 2, 1.0, 0.0),
             Fault.DEADLINE: where(late < 3 * m.period / 2, 0.0, where(late < BEYOND_MEASURE, 1.0, 0.0)),
