@@ -103,7 +103,7 @@ def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, ot
     assert {"rotor inertia", "damping", "stiffness", "kinematic_error"} <= joint.unidentifiable.keys()
     assert joint.drive.motor_friction == FRICTION
     told = r"the encoders' clocks differ at axle, .*: no drive's numbers can be relied on; .*--align"
-    assert re.match(told, found.notes[0])
+    assert re.match(told, found.doubts[0])
     assert joint.spring["stiffness"] == pytest.approx(STIFFNESS, rel=0.01)
 
 

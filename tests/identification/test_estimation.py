@@ -154,8 +154,8 @@ def test_torques_that_come_late_are_said_with_by_how_much(late: float):
     recording = recorded(arm.robot, 1)
     time, torque = recording.time, np.array(recording["torque"])
     moved = np.column_stack([np.interp(time - late, time, x) for x in torque.T])
-    notes = identify_rigid(arm.file, replace(recording, torque=moved), friction="stated", cutoff=CUTOFF).notes
-    said = [re.match(r"torques come (\S+) \+- (\S+) ms (later|earlier) than the motion", note) for note in notes]
+    doubts = identify_rigid(arm.file, replace(recording, torque=moved), friction="stated", cutoff=CUTOFF).doubts
+    said = [re.match(r"torques come (\S+) \+- (\S+) ms (later|earlier) than the motion", doubt) for doubt in doubts]
     found = [(1e-3 if x[3] == "later" else -1e-3) * float(x[1]) for x in said if x]
     assert found == pytest.approx([late] if late else [], abs=1.5e-3)
 
@@ -165,8 +165,8 @@ def test_torques_of_one_joint_that_come_late_are_said_with_its_name():
     recording = recorded(arm.robot, 1)
     torque = np.array(recording["torque"])
     torque[:, 1] = np.interp(recording.time - 0.01, recording.time, torque[:, 1])
-    notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
-    (said,) = [note for note in notes if "than the motion they belong to" in note]
+    doubts = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).doubts
+    (said,) = [doubt for doubt in doubts if "than the motion they belong to" in doubt]
     found = re.match(rf"torques of {recording.joints[1]} come (\S+) \+- \S+ ms later .* unlike those of other", said)
     assert found and float(found[1]) == pytest.approx(10.0, abs=1.5)
     assert said.endswith("}, ('torque', 'current')) moves only these")
@@ -178,9 +178,9 @@ def test_a_joint_whose_torques_come_in_time_is_not_said_to_be_late():
     torque = np.array(recording["torque"])
     for j in (0, 2):
         torque[:, j] = np.interp(recording.time - 0.01, recording.time, torque[:, j])
-    notes = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).notes
-    said = [note for note in notes if "than the motion they belong to" in note]
-    assert said and all(note.startswith(f"torques of all joints but {recording.joints[1]} come") for note in said)
+    doubts = identify_rigid(arm.file, replace(recording, torque=torque), friction="stated", cutoff=CUTOFF).doubts
+    said = [doubt for doubt in doubts if "than the motion they belong to" in doubt]
+    assert said and all(doubt.startswith(f"torques of all joints but {recording.joints[1]} come") for doubt in said)
 
 
 def test_instruments_that_tell_little_are_said_to():

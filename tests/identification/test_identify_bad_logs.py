@@ -56,8 +56,9 @@ def test_what_makes_the_result_doubtful_comes_first(files: Path, tmp_path: Path)
     assert status == 0 and "is the sign of the torque or of the position reversed?" in text
     assert 0 < text.find(f"warning: {doubt}") < text.find("not identified: ")
     report = (tmp_path / "out" / "report.html").read_text()
-    heads = report.find("What makes the result doubtful:"), report.find("What this log cannot tell:")
+    heads = report.find("What makes the result doubtful:"), report.find("Table 1")
     assert 0 < heads[0] < report.find(doubt) < heads[1]
+    assert 0 < text.find("warning: friction or inertia of elbow comes out negative") < text.find("not identified: ")
 
 
 def test_a_joint_that_stood_still_is_not_told(files: Path, tmp_path: Path):
@@ -279,8 +280,8 @@ def test_encoders_that_differ_in_how_far_a_joint_moves_are_named_with_the_ratio_
     for share in (1.0, 100.0 / 101.0, 1.004):
         turned = log | {"theta": log["theta"] * [1.0, share]}
         recording = Recording(TIME, ("shoulder", "elbow"), **turned)
-        notes = identify(files / "arm.urdf", recording, drives=files / drives, friction="stated").notes
-        said.append([note for note in notes if "times as far as q" in note])
+        doubts = identify(files / "arm.urdf", recording, drives=files / drives, friction="stated").doubts
+        said.append([doubt for doubt in doubts if "times as far as q" in doubt])
     none, less, more = said
     assert none == []
     assert [re.findall(r"theta of (.*) moves (.*) times .*: is the ratio (.*), not 100, ", x) for x in less + more] == [

@@ -310,7 +310,7 @@ def test_the_command_prints_errors_and_saves(files: Path, tmp_path: Path):
 def test_encoders_on_two_clocks_are_named_first_and_brought_to_one(files: Path, tmp_path: Path):
     late = wound()
     late["q"] = np.column_stack([np.interp(TIME - 3e-3, TIME, x) for x in late["q"].T])
-    log, clocks = write_log(tmp_path / "log.csv", late), "note: the encoders' clocks differ at "
+    log, clocks = write_log(tmp_path / "log.csv", late), "warning: the encoders' clocks differ at "
     drives = ("--drives", str(files / "sprung.yaml"))
     _, apart = run(files, log, tmp_path / "apart", *drives)
     _, aligned = run(files, log, tmp_path / "aligned", *drives, "--align")

@@ -27,8 +27,8 @@ def arm(on_motors: bool) -> tuple[Known, Recording]:
 
 
 def told(known: Known, recording: Recording, cutoff: float | None = None) -> list[str]:
-    notes = identify_rigid(known.file, recording, cutoff=cutoff).notes
-    return [note for note in notes if "than the motion they belong to" in note]
+    doubts = identify_rigid(known.file, recording, cutoff=cutoff).doubts
+    return [doubt for doubt in doubts if "than the motion they belong to" in doubt]
 
 
 @pytest.mark.parametrize(("samples", "when"), [(4, "later"), (-4, "earlier")])
@@ -89,4 +89,4 @@ def test_springs_tell_when_torques_act(samples: int, words: str):
     for delay in delays:
         assert abs(delay.value - (1.5e-3 - samples * 1e-3)) < 2.0 * delay.deviation
     assert min(delay.deviation for delay in delays) < 1.5e-4
-    assert len([note for note in found.notes if re.match(words, note)]) == 1
+    assert len([doubt for doubt in found.doubts if re.match(words, doubt)]) == 1

@@ -161,9 +161,9 @@ def test_torques_of_turned_sign_are_said_with_their_joints(turned: list[float], 
     given, rng = channels(), np.random.default_rng(5)
     torque = given["torque"] * turned + noise * rng.normal(size=given["torque"].shape)
     log = Recording(TIME, TRUTH.joints, q=given["q"], torque=torque)
-    notes = " ".join(identify(RIGID, log, friction="stated").notes)
+    doubts = " ".join(identify(RIGID, log, friction="stated").doubts)
     joints = {joint for joint, sign in zip(TRUTH.joints, turned, strict=True) if sign < 0.0}
-    (said,) = re.findall(r"friction or inertia of (.*) comes out negative: is the sign of the torque", notes)
+    (said,) = re.findall(r"friction or inertia of (.*) comes out negative: is the sign of the torque", doubts)
     assert set(said.split(", ")) == joints
 
 

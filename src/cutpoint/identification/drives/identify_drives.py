@@ -39,14 +39,21 @@ class DriveEstimates:
     failed: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """A sentence if the encoders' clocks differ."""
+        late = [joint for joint, estimate in self.joints.items() if estimate.clocks]
+        if not late:
+            return ()
+        words = f"the encoders' clocks differ at {', '.join(late)}, and so perhaps at the others"
+        return (f"{words}: no drive's numbers can be relied on; identify again with align=True (--align)",)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Differences from the robot's files, and what was not identified, one sentence each."""
         kept = "its spring was not identified and stays as it was"
         failed = (f"{joint}: {kept}: {why}" for joint, why in self.failed.items())
-        if late := [joint for joint, estimate in self.joints.items() if estimate.clocks]:
-            words = f"the encoders' clocks differ at {', '.join(late)}, and so perhaps at the others"
-            remedy = "identify again with align=True (--align)"
-            return (f"{words}: no drive's numbers can be relied on; {remedy}", *failed)
+        if self.doubts:
+            return tuple(failed)
         own = (
             f"{joint}: {words_at(self.robot, joint, words)}"
             for joint, estimate in self.joints.items()

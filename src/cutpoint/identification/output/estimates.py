@@ -24,11 +24,15 @@ ZEROS = 2e-3
 
 
 class Estimates(NamedTuple):
-    """drives: None if not sought, or not found, see notes.  apart: joints whose rotors come from there."""
+    """drives: None if not sought, or not found, see notes.  apart: joints whose rotors come from there.
+
+    doubts: gears, clocks and delays that differ from what was stated.
+    """
 
     rigid: RigidEstimate
     drives: DriveEstimates | None
     apart: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -52,7 +56,7 @@ def estimates(
     rigid = identify_rigid(before, fitted, friction=friction, **how)
     gains = gain_notes(before, fitted, how.get("torque_constants"), how.get("cutoff"))
     if stamped is None:
-        return Estimates(rigid, None, notes=gains)
+        return Estimates(rigid, None, doubts=gains)
     say.expect(1 + len(joints_that_bend(before)))
     stamped = _with_torques(before, stamped, how.get("torque_constants"))
     try:
@@ -61,20 +65,21 @@ def estimates(
         )
     except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
         why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed during the search"
-        return Estimates(rigid, None, notes=(*gains, f"springs were not identified: {why}"))
+        return Estimates(rigid, None, doubts=gains, notes=(f"springs were not identified: {why}",))
     found = drives.joints.items()
-    notes = (*gains, *_coarse(drives), *_late(drives, torque_delay), *_zeros(drives), *drives.notes)
+    doubts = (*gains, *drives.doubts, *_late(drives, torque_delay))
+    notes = (*_coarse(drives), *_zeros(drives), *drives.notes)
     apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
     if not apart and not errors:
-        return Estimates(rigid, drives, (), notes)
+        return Estimates(rigid, drives, (), doubts, notes)
     say("links again, with what the motors tell")
     # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
     again = _with_rotors(before, drives, apart, fitted, **how)
-    return Estimates(again, drives, apart, notes)
+    return Estimates(again, drives, apart, doubts, notes)
 
 
 def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:

@@ -193,7 +193,7 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        doubts=tuple(warnings_of(errors, at_joints(after, "N m"))),
+        doubts=(*found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
         notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
     )
 

@@ -31,9 +31,9 @@ def _heading(found: Identification) -> Heading:
     joints = len(found.robot.joints)
     about = f"{found.robot.name}: {counted(joints, 'joint')}, a log of {span:.4g} s, {recording.time.size} samples"
     held = f"{found.errors.held_out.mean():.0%} of the log, at its end, was held out of the fit."
-    return Heading(
-        "Identification", about, (f"{told} of {len(found.numbers)} numbers are identified from this log. {held}",)
-    )
+    share = f"{told} of {len(found.numbers)} numbers are identified from this log. {held}"
+    doubts = ("What makes the result doubtful:", *found.doubts) if found.doubts else ()
+    return Heading("Identification", about, (share, *doubts))
 
 
 def _torques(found: Identification) -> Page:
@@ -118,6 +118,5 @@ def _drives(found: Identification) -> list[Page]:
 
 def _said(found: Identification, notes: Sequence[str]) -> Page:
     untold = found.untold or ("Everything sought is identified.",)
-    first = ("What makes the result doubtful:", *found.doubts) if found.doubts else ()
     blocks = ("What this log cannot tell:", *untold, "What was repaired, what looks wrong, and how it was done:")
-    return Page("said", "What this log cannot tell, and notes", (*first, *blocks, *found.notes, *notes))
+    return Page("said", "What this log cannot tell, and notes", (*blocks, *found.notes, *notes))

@@ -30,6 +30,7 @@ from cutpoint.identification.rigid.uncertainty import (
     base_sizes,
     friction_sizes,
     parameters,
+    reversed_signs,
     strained,
     untold,
 )
@@ -52,7 +53,7 @@ class RigidEstimate:
     parameters: base parameters, friction and offsets, each with its interval and whether the log determines it.
     residuals: (M, n) N m, of the fit behind the intervals, at times (M,), s; noise (n,), their size.
     friction: how each joint's law was chosen, if it was.  untold: what this log cannot determine, in sentences.
-    notes: how the recording was processed.
+    doubts: signs and times of torques that the fit contradicts.  notes: how the recording was processed.
     """
 
     robot: Robot
@@ -62,6 +63,7 @@ class RigidEstimate:
     times: Array
     noise: Array
     untold: tuple[str, ...]
+    doubts: tuple[str, ...]
     notes: tuple[str, ...]
     friction: tuple[FrictionChoice, ...] = ()
 
@@ -147,6 +149,7 @@ def estimate_of(
         times=log.start + found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
         untold=untold(table, base),
+        doubts=(*reversed_signs(table), *_late(fitted)),
         notes=(
             *notes,
             *_standing(robot, log),
@@ -154,7 +157,6 @@ def estimate_of(
             *_notes(log, found, estimate),
             *strained(table),
             *_curves(fitted, choices),
-            *_late(fitted),
         ),
         friction=choices,
     )

@@ -89,11 +89,20 @@ def _instead(found: Parameter) -> str:
     return "its file states none: the robot has what fits best"
 
 
+def reversed_signs(found: Sequence[Parameter]) -> list[str]:
+    """A sentence on joints whose friction or inertia is negative."""
+    reason = "is the sign of the torque or of the position reversed?"
+    turned = _turned(found)
+    return [f"friction or inertia of {turned} comes out negative: {reason}"] if turned else []
+
+
 def strained(found: Sequence[Parameter]) -> list[str]:
-    """Sentences if physically consistent bodies, near the file's, or friction could not match the log."""
-    if turned := _turned(found):
-        reason = "is the sign of the torque or of the position reversed?"
-        return [f"friction or inertia of {turned} comes out negative: {reason}"]
+    """Sentences if physically consistent bodies, near the file's, or friction could not match the log.
+
+    None if signs are reversed, which explains both.
+    """
+    if _turned(found):
+        return []
     far = [x.name for x in found if x.told and abs(x.physical - x.value) > STRAINED * (x.high - x.value)]
     rubs = [name for name in far if name.partition(".")[0] in FRICTION]
     bodies = [name for name in far if name not in rubs]
