@@ -64,6 +64,8 @@ def test_what_is_no_file_or_too_large_is_refused(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(InputError, match=r"file of 8 bytes is too large: at most 7 are read \(.*large\)"):
         check_readable(tmp_path / "large", 7)
+    with pytest.raises(InputError, match=r"at most 7 are read; split it \(.*large\)"):
+        check_readable(tmp_path / "large", 7, "split it")
     for name in ("pipe", "."):
         with pytest.raises(InputError, match=r"is not a regular file; give the path of a file"):
             check_readable(tmp_path / name, 7)

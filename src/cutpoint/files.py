@@ -11,8 +11,11 @@ from typing import Any, BinaryIO
 from cutpoint.errors import InputError
 
 
-def check_readable(path: Path, largest: int) -> None:
-    """Raises InputError unless the path is a regular file of at most `largest` bytes."""
+def check_readable(path: Path, largest: int, remedy: str = "") -> None:
+    """Raises InputError unless the path is a regular file of at most `largest` bytes.
+
+    remedy: for a larger one.
+    """
     try:
         if not path.is_file():
             what = "is not a regular file" if path.exists() else "does not exist"
@@ -21,7 +24,8 @@ def check_readable(path: Path, largest: int) -> None:
     except OSError as error:
         raise InputError(f"{str(path)!r} cannot be read ({error.strerror}); give another path", path=path) from error
     if size > largest:
-        raise InputError(f"file of {size:,} bytes is too large: at most {largest:,} are read", place=path, size=size)
+        rule = f"file of {size:,} bytes is too large: at most {largest:,} are read"
+        raise InputError(f"{rule}; {remedy}" if remedy else rule, place=path, size=size)
 
 
 def delimiter_of(line: str) -> str:

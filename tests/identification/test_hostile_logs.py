@@ -262,6 +262,8 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("", r"file holds no line that names the columns: it is empty, or all comments \(.*log.csv\)"),
+        ("# a remark\n\n", r"file holds no line that names the columns: it is empty, or all comments"),
         (
             "1,2,3\n4,5,6\n",
             r"first line '1, 2, 3' must name the columns, as in 't, q1, q2, tau1, tau2' \(.*log.csv:1\)",

@@ -266,7 +266,7 @@ def test_obvious_names_need_no_mapping(names: tuple[str, str, str], tmp_path: Pa
     assert np.array_equal(found["torque"], TAU)
 
 
-@pytest.mark.parametrize("pattern", ["actual_q_{}", "q{}", "q[{}]", "q ({})", "Q-{}"])
+@pytest.mark.parametrize("pattern", ["actual_q_{}", "q{}", "q[{}]", "q ({})", "Q-{}", "Joint {} Position"])
 def test_numbered_columns_are_one_quantity(pattern: str):
     from cutpoint.identification.logs.mapping import obvious_mapping
 

@@ -1,6 +1,7 @@
 """Sensors that start anew: the motion comes out whole, and nothing else is touched."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -62,6 +63,7 @@ def test_a_counter_that_starts_anew_is_put_together(bits: int, ratio: float, sid
     counts = np.round(MOTION * ratio / TURN * 4096)
     found = read(counts % 2**bits, f"unit: counts, counts_per_turn: {4096 * ratio / gear}, side: {side}", "theta")
     assert_whole(found, MOTION, TURN / 4096, "theta")
+    assert re.search(r"were unwrapped; .* if it had jumped before, state 'offset'", found.notes[0])
 
 
 def test_a_motor_that_turns_nearly_half_a_turn_each_sample_is_put_together():

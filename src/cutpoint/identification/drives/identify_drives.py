@@ -132,7 +132,7 @@ def checked_delay(function: str, delay: float, recording: Recording) -> float:
     """s by which torques act late.  Raises InputError for more than a log, or any machine, can show."""
     delay, span = number(function, "torque_delay", delay, "s"), float(np.ptp(recording.time))
     if not abs(delay) < min(LONGEST_DELAY, span):
-        longest = f"the log, {span:g} s" if span < LONGEST_DELAY else f"{LONGEST_DELAY:g} s"
+        longest = f"the log, {span:g} s by its times" if span < LONGEST_DELAY else f"{LONGEST_DELAY:g} s"
         rule = f"must be shorter than {longest}; 0.0005 is half a millisecond"
         raise InputError(f"{function}: torque_delay {delay} s {rule}", delay=delay)
     return delay

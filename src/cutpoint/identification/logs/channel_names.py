@@ -24,7 +24,15 @@ NAMES = {
     "v": ("measuredv", "v", "qd", "dq", "qdot", "actualqd", "velocity", "velocities", "vel", "jointvelocity"),
     "theta_dot": ("measuredthetadot", "thetadot", "motorvelocity", "motorvelocities", "dtheta", "qdmotor"),
     "torque": ("motortorque", "tau", "torque", "torques", "effort", "efforts", "actualtorque", "commandtorque"),
-    "current": ("current", "currents", "motorcurrent", "motorcurrents", "actualcurrent"),
+    "current": (
+        "current",
+        "currents",
+        "motorcurrent",
+        "motorcurrents",
+        "actualcurrent",
+        "jointcurrent",
+        "jointcurrents",
+    ),
 }
 """Names of each quantity, the likeliest first."""
 
@@ -71,7 +79,8 @@ def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
     if numbered and letters(numbered[1]) in KNOWN:
         return letters(numbered[1]), str(int(numbered[2]))
     if letters(name) in KNOWN:
-        return letters(name), ""
+        within = re.findall(r"\d+", _end(name))
+        return letters(name), str(int(within[0])) if len(within) == 1 else ""
     stem, _, label = name.rpartition(".")
     return letters(stem), label
 

@@ -52,6 +52,8 @@ def read_header(text: TextIO, file: str) -> Header:
     while first.startswith(COMMENTS) or first.isspace():
         comment = first if first.strip() else comment
         line, first = line + 1, _line(text, file, line + 1)
+    if not first:
+        raise InputError("file holds no line that names the columns: it is empty, or all comments", place=file)
     if "\0" in first:
         raise InputError(f"file is not UTF-8 text: line {line} holds zero bytes; save it as UTF-8", place=file)
     delimiter = stated[1] if stated else delimiter_of(first)

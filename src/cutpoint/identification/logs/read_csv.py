@@ -25,7 +25,7 @@ def read_csv(path: Path) -> Table:
     Raises InputError, with the line: a first line without names, a repeated name, a line of another length, words
     below the names that are not units; a text that is not UTF-8.
     """
-    check_readable(path, LARGEST_TEXT)
+    check_readable(path, LARGEST_TEXT, "save it as .npz or .parquet, which are smaller, or split it into several logs")
     try:
         with path.open(encoding="utf-8-sig", newline="") as text:
             return _read(text, path)

@@ -53,10 +53,12 @@ def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Seque
             jumps = _jumps(t, x[known], spans[place], is_counter=bool(place))
             if jumps.any():
                 x[known] -= spans[place] * np.concatenate([[0.0], np.cumsum(jumps)])
-                if np.isclose(spans[place], TURN):
+                of_joint = bool(np.isclose(spans[place], TURN))
+                if of_joint:
                     x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
                 what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {spans[0]:.4g} rad at the joint,"
-                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped")
+                zero = "" if of_joint else "; from its first sample on: if it had jumped before, state 'offset'"
+                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped{zero}")
                 break
     return found
 
