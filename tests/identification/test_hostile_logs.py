@@ -195,6 +195,13 @@ def test_what_a_matlab_file_holds_beside_matrices_hinders_nothing(tmp_path: Path
     assert np.array_equal(read_table(tmp_path / "log.mat").channels["q"].values, positions(times(9)))
 
 
+def test_structures_in_an_array_of_a_matlab_file_are_named_as_what_a_channel_may_be_in(tmp_path: Path):
+    signals = [{"values": positions(times(9)), "label": name} for name in ("q", "tau")]
+    scipy.io.savemat(tmp_path / "log.mat", {"out": {"time": times(9), "signals": signals}})
+    with pytest.raises(InputError, match=r"'out.time'; 'out.signals' holds cells or several structures"):
+        read_recording(tmp_path / "log.mat")
+
+
 def repeated(value: object, count: int) -> pyarrow.DictionaryArray:
     return pyarrow.DictionaryArray.from_arrays(np.zeros(count, dtype=np.int32), pyarrow.array([value]))
 

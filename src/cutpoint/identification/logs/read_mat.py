@@ -43,8 +43,10 @@ def read_mat(path: Path) -> Table:
             found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
     except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
         raise InputError(f"file is not a readable MATLAB file: {error}", place=path) from error
-    channels = {name: channel(values) for name, values in _leaves("", found, DEEPEST)}
-    return Table(str(path), {name: each for name, each in channels.items() if each is not None})
+    leaves = dict(_leaves("", found, DEEPEST))
+    channels = {name: channel(values) for name, values in leaves.items()}
+    left_out = {name: "cells or several structures" for name, values in leaves.items() if values.dtype == object}
+    return Table(str(path), {name: each for name, each in channels.items() if each is not None}, left_out)
 
 
 def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[str, Any]]:
