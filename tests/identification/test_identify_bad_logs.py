@@ -61,6 +61,14 @@ def test_what_makes_the_result_doubtful_comes_first(files: Path, tmp_path: Path)
     assert 0 < text.find("warning: friction or inertia of elbow comes out negative") < text.find("not identified: ")
 
 
+def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
+    both = channels()
+    log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    for joint in ("shoulder", "elbow"):
+        assert any(re.match(rf"theta of '{joint}' is .* times q: ", doubt) for doubt in found.doubts)
+
+
 def test_a_joint_that_stood_still_is_not_told(files: Path, tmp_path: Path):
     log = write_log(tmp_path / "log.csv", elbow("q", lambda x: np.full_like(x, 0.3)))
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml")

@@ -115,11 +115,11 @@ def suspicions(recording: Recording) -> list[str]:
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: float(np.ptp(_known(x))) > TURNS * 2.0 * math.pi)
-    return [*notes, *_disagreements(recording)]
+    return [*notes, *contradictions(recording), *_other_zeros(recording)]
 
 
-def _disagreements(recording: Recording) -> Iterator[str]:
-    """Notes on channels that contradict each other."""
+def contradictions(recording: Recording) -> Iterator[str]:
+    """A note on each channel that is a multiple of what another says that it is."""
     time = recording.time
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
@@ -128,6 +128,11 @@ def _disagreements(recording: Recording) -> Iterator[str]:
             yield from _notes_on_factor(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
         yield from _notes_on_factor(f"theta of {joint!r}", "q", _factor(theta, x, time))
+
+
+def _other_zeros(recording: Recording) -> Iterator[str]:
+    """A note on each joint whose encoders have different zeros."""
+    for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
         lead = _known(theta - x)
         if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
             yield f"theta of {joint!r} leads q by about {np.median(lead):.3g} rad (m) throughout: do their zeros agree?"

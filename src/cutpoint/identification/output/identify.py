@@ -21,7 +21,7 @@ from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
-from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
+from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
@@ -193,7 +193,12 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        doubts=(*found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
+        doubts=(
+            *contradictions(recording),
+            *found.doubts,
+            *rigid.doubts,
+            *warnings_of(errors, at_joints(after, "N m")),
+        ),
         notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
     )
 
