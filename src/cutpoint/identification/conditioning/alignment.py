@@ -118,7 +118,9 @@ def _notes(channels: str, measured: Mapping[str, Skew | float]) -> list[str]:
     words = {joint: _words(each) for joint, each in measured.items()}
     moved = [f"{joint} by {words[joint]}" for joint, each in measured.items() if _delay(each)]
     stayed = [f"{joint} ({words[joint]})" for joint, each in measured.items() if not _delay(each)]
-    notes = [f"{channels} moved earlier: {', '.join(moved)}; no interval includes what this is off by"] if moved else []
+    notes = (
+        [f"{channels} moved earlier: {', '.join(moved)}; intervals do not include the error of this"] if moved else []
+    )
     return [*notes, f"{channels} not moved, as no delay stands out: {', '.join(stayed)}"] if stayed else notes
 
 

@@ -182,6 +182,8 @@ def _identification(
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     words += _one_sided(before, recording)
+    odd = [*contradictions(recording)]
+    notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
         robot=after,
         before=before,
@@ -194,12 +196,12 @@ def _identification(
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
         doubts=(
-            *contradictions(recording),
+            *odd,
             *found.doubts,
             *rigid.doubts,
             *warnings_of(errors, at_joints(after, "N m")),
         ),
-        notes=(*found.notes, *rigid.notes, *map(str, rigid.friction), *words),
+        notes=tuple(note for note in notes if not note.endswith(tuple(odd))),
     )
 
 

@@ -1,7 +1,6 @@
 """Detects delays of torques relative to the motion: residuals are then proportional to the torques' rate."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from scipy.ndimage import binary_dilation
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion
 from cutpoint.identification.logs.recording import EFFORTS
-from cutpoint.identification.rigid.least_squares import Estimate, least_squares
+from cutpoint.identification.rigid.least_squares import with_further
 from cutpoint.identification.rigid.regression import Regression
 
 Array = NDArray[np.float64]
@@ -110,10 +109,10 @@ def lateness(found: Regression, values: Array, beside: Array, steady: NDArray[np
     n, count = late.shape[2], len(found.names)
     if n * steady.sum() < 2 * (count + n):
         return np.full(n, np.nan), np.full((n, n), np.nan)
-    estimate = _with(found.part(steady), late[steady])[0]
+    estimate = with_further(found.part(steady), late[steady])
     delays, covariance = estimate.values[-n:].copy(), estimate.spread.covariance[-n:, -n:].copy()
     if beside.shape[2]:
-        share = _with(found, beside)[1] / _with(found, late)[1]
+        share = _left(found, beside) / _left(found, late)
         explained = (share < LESS) | (np.exp(np.mean(np.log(share))) < LESS)
         delays[explained] = covariance[explained, explained] = np.nan
     return delays, covariance
@@ -128,9 +127,6 @@ def _by_delay(found: Regression, values: Array) -> Array:
     return -rate[..., None] * np.eye(rate.shape[1])
 
 
-def _with(found: Regression, columns: Array) -> tuple[Estimate, Array]:
-    """A fit with further columns (M, n, k), and its mean absolute residual for each joint, (n,)."""
-    names = (*found.names, *(f"further.{k}" for k in range(columns.shape[2])))
-    more = replace(found, names=names, columns=np.concatenate([found.columns, columns], axis=2))
-    estimate = least_squares(more, "huber")
-    return estimate, np.abs(more.residuals(estimate.values)).mean(axis=0)
+def _left(found: Regression, columns: Array) -> Array:
+    """Each joint's mean absolute residual (n,) of a fit with further columns (M, n, k)."""
+    return np.abs(with_further(found, columns).residuals).mean(axis=0)

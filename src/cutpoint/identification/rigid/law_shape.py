@@ -8,6 +8,9 @@ import numpy as np
 
 from cutpoint.mechanics.drives.friction import Sliding
 
+ONE_SIDED = 0.999
+"""Largest asymmetry: of one, which leaves no friction at all backwards, a law would not be one."""
+
 
 def shape_of(law: Sliding) -> tuple[str, ...]:
     """Names of a law's shape parameters."""
@@ -22,7 +25,9 @@ def moved(law: Any, steps: Mapping[str, float]) -> Sliding:
 
 
 def _moved(name: str, value: float, step: float) -> float:
-    return float(np.tanh(np.arctanh(value) + step) if name == "asymmetry" else value * np.exp(step))
+    if name == "asymmetry":
+        return float(np.clip(np.tanh(np.arctanh(value) + step), -ONE_SIDED, ONE_SIDED))
+    return float(value * np.exp(step))
 
 
 def is_sharp(law: Any) -> bool:

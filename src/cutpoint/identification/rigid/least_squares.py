@@ -100,6 +100,13 @@ def _spread(
     return found.first(len(regression.names), pull)
 
 
+def with_further(regression: Regression, columns: Array) -> Estimate:
+    """A robust fit with further columns (M, n, k), whose values are the last."""
+    names = (*regression.names, *(f"further.{k}" for k in range(columns.shape[2])))
+    more = replace(regression, names=names, columns=np.concatenate([regression.columns, columns], axis=2))
+    return least_squares(more, "huber")
+
+
 def check_size(regression: Regression) -> None:
     """Raises InputError for fewer rows than parameters."""
     rows, count, times = regression.torque.size, len(regression.names), regression.times

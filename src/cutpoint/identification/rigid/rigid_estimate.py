@@ -25,6 +25,7 @@ from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression, other_side_columns
 from cutpoint.identification.rigid.rigid_robot import RigidModel, friction_of_links, laws_with, stated_coefficient
+from cutpoint.identification.rigid.torque_scale import scale_notes
 from cutpoint.identification.rigid.uncertainty import (
     Parameter,
     base_sizes,
@@ -53,7 +54,7 @@ class RigidEstimate:
     parameters: base parameters, friction and offsets, each with its interval and whether the log determines it.
     residuals: (M, n) N m, of the fit behind the intervals, at times (M,), s; noise (n,), their size.
     friction: how each joint's law was chosen, if it was.  untold: what this log cannot determine, in sentences.
-    doubts: signs and times of torques that the fit contradicts.  notes: how the recording was processed.
+    doubts: signs, times and sizes of torques that the fit contradicts.  notes: how the recording was processed.
     """
 
     robot: Robot
@@ -149,7 +150,7 @@ def estimate_of(
         times=log.start + found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
         untold=untold(table, base),
-        doubts=(*reversed_signs(table), *_late(fitted)),
+        doubts=(*reversed_signs(table), *scale_notes(found, estimate.values, robot.joints), *_late(fitted)),
         notes=(
             *notes,
             *_standing(robot, log),
