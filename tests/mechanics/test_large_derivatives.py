@@ -118,7 +118,7 @@ def test_loops_find_elastic_inverse_dynamics_derivatives_as_straight_code_does(t
     mechanism = random_tree(1, 8) if tree == "tree" else LOOPED[tree]
     robot = Robot(mechanism, driven_by_turns(mechanism), backend="numpy")
     key = ("elastic_inverse_dynamics_derivatives", options)
-    function = RolledFunction(key, robot.machine, "llvm", definitions.ElasticInverseDynamicsDerivatives)
+    function = RolledFunction(key, robot.machine, "llvm", definitions.MotorTorqueDerivatives)
     # so fast that friction, smoothed within 0.02 rad/s, has derivatives of the size of the others
     motion = np.random.default_rng(3).choice([-1, 1], (5, 3, robot.nv)) * np.linspace(1, 1.5, robot.nv)
     found = function(*motion)

@@ -3,14 +3,13 @@
 Derivatives with respect to q are along the tangent directions of `Robot.integrate`.
 """
 
-from collections import namedtuple
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from cutpoint import definitions
 from cutpoint.definitions import Machine, Scalars, transposed
-from cutpoint.drive_slopes import STATE, EffortSlopes, effort_slopes, motor_slopes
+from cutpoint.drive_slopes import EffortSlopes, effort_slopes, motor_slopes
 from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics import kinematics, torque_derivatives
 from cutpoint.mechanics.bodies.joints import dot
@@ -23,14 +22,6 @@ from cutpoint.scalars import Jet, Scalar
 
 Matrix = list[Scalars]
 Rows = TypeVar("Rows")
-
-ElasticInverseDynamicsDerivatives = namedtuple(
-    "ElasticInverseDynamicsDerivatives", [f"d_motor_torque_d_{x}" for x in ("q", "v", "a", "jerk", "snap")]
-)
-
-ElasticForwardDynamicsDerivatives = namedtuple(
-    "ElasticForwardDynamicsDerivatives", [f"d_{x}_d_{y}" for x in ("a", "theta_ddot") for y in STATE]
-)
 
 
 class InverseDynamicsDerivatives(NamedTuple, Generic[Rows]):
@@ -47,6 +38,34 @@ class ForwardDynamicsDerivatives(NamedTuple, Generic[Rows]):
     d_q: Rows
     d_v: Rows
     d_tau: Rows
+
+
+class MotorTorqueDerivatives(NamedTuple, Generic[Rows]):
+    """d motor_torque / d (q, v, a, jerk, snap), each (..., drives, nv), as kernels and exported code name them."""
+
+    d_motor_torque_d_q: Rows
+    d_motor_torque_d_v: Rows
+    d_motor_torque_d_a: Rows
+    d_motor_torque_d_jerk: Rows
+    d_motor_torque_d_snap: Rows
+
+
+class ElasticForwardDynamicsDerivatives(NamedTuple, Generic[Rows]):
+    """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque).
+
+    Each (..., rows, columns).  Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
+    """
+
+    d_a_d_q: Rows
+    d_a_d_v: Rows
+    d_a_d_theta: Rows
+    d_a_d_theta_dot: Rows
+    d_a_d_motor_torque: Rows
+    d_theta_ddot_d_q: Rows
+    d_theta_ddot_d_v: Rows
+    d_theta_ddot_d_theta: Rows
+    d_theta_ddot_d_theta_dot: Rows
+    d_theta_ddot_d_motor_torque: Rows
 
 
 def inverse_dynamics(m: Machine, q: Scalars, v: Scalars, a: Scalars) -> InverseDynamicsDerivatives[Matrix]:
@@ -71,7 +90,7 @@ def forward_dynamics(m: Machine, q: Scalars, v: Scalars, tau: Scalars) -> Forwar
     return ForwardDynamicsDerivatives(_solved(M, _negated(d_q)), _solved(M, _negated(d_v)), _solved(M, unit))
 
 
-def elastic_inverse_dynamics(m: Machine, q: Scalars, *, options: Options, **rates: Scalars) -> Any:
+def elastic_inverse_dynamics(m: Machine, q: Scalars, *, options: Options, **rates: Scalars) -> tuple[Matrix, ...]:
     """d motor_torque / d (q and each of the rates), named d_motor_torque_d_q and so on.
 
     From inverse dynamics' derivatives with their rates along the motion, on Panda in three quarters of the operations
@@ -79,7 +98,7 @@ def elastic_inverse_dynamics(m: Machine, q: Scalars, *, options: Options, **rate
     carriers.
     """
     if torque_derivatives.suits(m.system) and not m.system.has_sprung_rotors:
-        return ElasticInverseDynamicsDerivatives(*_through_springs(m, options, q, *rates.values()))
+        return MotorTorqueDerivatives(*_through_springs(m, options, q, *rates.values()))
     function = partial(definitions.elastic_inverse_dynamics, m, options=options)
     return _with_tangents(m, q, jacobian_of(function, of=["motor_torque"])(q=q, **rates))
 
@@ -107,14 +126,15 @@ def _rates(x: Scalar) -> Sequence[Scalar]:
     return x.derivatives if isinstance(x, Jet) else (x, 0, 0)
 
 
-def elastic_forward_dynamics(m: Machine, **state: Scalars) -> Any:
+def elastic_forward_dynamics(m: Machine, **state: Scalars) -> ElasticForwardDynamicsDerivatives[Matrix]:
     """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque), named d_a_d_q and so on.
 
     From M d_a = d(drives' efforts on links) - d(inverse dynamics at that a), in three quarters of the operations of the
     differentiated recursion on UR10, and half on Panda; by the latter where rotors behind springs feel their carriers.
     """
     if m.system.has_sprung_rotors:
-        return _with_tangents(m, state["q"], jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state))
+        found = jacobian_of(partial(definitions.elastic_forward_dynamics, m))(**state)
+        return ElasticForwardDynamicsDerivatives(*_with_tangents(m, state["q"], found))
     return ElasticForwardDynamicsDerivatives(*_through_drives(m, *state.values()))
 
 

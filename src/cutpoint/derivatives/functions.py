@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.derivatives import definitions, large, sweeps
-from cutpoint.derivatives.definitions import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
+from cutpoint.derivatives.definitions import (
+    ElasticForwardDynamicsDerivatives,
+    ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives,
+    MotorTorqueDerivatives,
+)
 from cutpoint.door import LARGEST, check_truths
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
@@ -40,24 +45,6 @@ class ElasticInverseDynamicsDerivatives(NamedTuple):
     d_jerk: Array
     d_snap: Array
     d_higher: tuple[Array, ...] = ()
-
-
-class ElasticForwardDynamicsDerivatives(NamedTuple):
-    """d (a, theta_ddot) / d (q, v, theta, theta_dot, motor_torque).
-
-    Each (..., rows, columns).  Rows: nv of a, drives of theta_ddot.  Columns: nv of q and v, drives of the others.
-    """
-
-    d_a_d_q: Array
-    d_a_d_v: Array
-    d_a_d_theta: Array
-    d_a_d_theta_dot: Array
-    d_a_d_motor_torque: Array
-    d_theta_ddot_d_q: Array
-    d_theta_ddot_d_v: Array
-    d_theta_ddot_d_theta: Array
-    d_theta_ddot_d_theta_dot: Array
-    d_theta_ddot_d_motor_torque: Array
 
 
 def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> InverseDynamicsDerivatives[Array]:
@@ -135,7 +122,7 @@ def elastic_inverse_dynamics(
 
 def elastic_forward_dynamics(
     robot: Robot, q: ArrayLike, v: ArrayLike, theta: ArrayLike, theta_dot: ArrayLike, motor_torque: ArrayLike
-) -> ElasticForwardDynamicsDerivatives:
+) -> ElasticForwardDynamicsDerivatives[Array]:
     """Derivatives of the accelerations of `Robot.elastic_forward_dynamics`, of the links and of the motors.
 
     q (..., nq) and theta (..., drives) in rad (m), v (..., nv) and theta_dot (..., drives) in rad/s (m/s), motor_torque
@@ -147,7 +134,7 @@ def elastic_forward_dynamics(
     """
     if made := _kernels_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
         return made(q, v, theta, theta_dot, motor_torque)
-    name, record, inputs = "elastic_forward_dynamics", ElasticForwardDynamicsDerivatives, " ".join(STATE)
+    name, inputs = "elastic_forward_dynamics", " ".join(STATE)
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):
         a = robot.elastic_forward_dynamics(**state).a
@@ -156,10 +143,12 @@ def elastic_forward_dynamics(
         d_q, d_v, M = _rigid_at(robot, name, q, v, a)
         solver = _solver(robot)
         position = np.asarray(q, dtype=np.float64)
-        return record(*large.elastic_forward_dynamics(robot.machine.drives, position, d_q, d_v, M, slopes, solver))
+        found = large.elastic_forward_dynamics(robot.machine.drives, position, d_q, d_v, M, slopes, solver)
+        return ElasticForwardDynamicsDerivatives(*found)
     if sweeps.is_swept(robot):
-        return record(*sweeps.elastic_forward_dynamics(robot, **state))
-    return _function(robot, name, definitions.elastic_forward_dynamics, inputs, True, record=record)(*state.values())
+        return ElasticForwardDynamicsDerivatives(*sweeps.elastic_forward_dynamics(robot, **state))
+    definition, record = definitions.elastic_forward_dynamics, ElasticForwardDynamicsDerivatives
+    return _function(robot, name, definition, inputs, True, record=record)(*state.values())
 
 
 _ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
@@ -181,7 +170,7 @@ def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..
     if bodies > most:
         raise sweeps.too_large(bodies, most)
     definition = partial(definitions.elastic_inverse_dynamics, options=options)
-    record = definitions.ElasticInverseDynamicsDerivatives if needed == 4 else None
+    record = MotorTorqueDerivatives if needed == 4 else None
     inputs = motion_names(needed)
     return compiled.function((_ELASTIC_INVERSE, options), definition, inputs, True, record)
 
