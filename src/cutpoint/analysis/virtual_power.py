@@ -54,7 +54,7 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
     # virtual power from joints to the bodies between them
     given = joint_efforts(system, transmitted_wrenches(system, [x.X for x in moved], excess, {}))
     joint_gains = map(JointGains, law.speed_gain, law.motor_gain, law.spring_gain)
-    joints = zip(law.machine.drives, machine.drives, joint_gains, strict=True)
+    joints = zip(law.model.drives, machine.drives, joint_gains, strict=True)
     for k, (believed, driven, gain) in enumerate(joints):
         at = DriveState(*(x[k] for x in m[2:]))
         command = joint_command(believed.drive, at, r.q[k], v_r[k], required_torques[k], gain)

@@ -70,21 +70,21 @@ class AdaptiveVDC(VDC):
             raise InputError(f"AdaptiveVDC: uncertainty {self.uncertainty[0]} {rule}")
 
     @property
-    def machine(self) -> Machine:
-        """The model with its bodies' own inertias: each learns its own."""
+    def model(self) -> Machine:
+        """The machine with its bodies' own inertias: each learns its own."""
         return self.robot.machine_with(self.parameters)
 
     def start(self) -> Estimates:
         """The model's own parameters."""
-        bodies = [parameters_of(segment.inertia) for segment in self.machine.system.segments]
+        bodies = [parameters_of(segment.inertia) for segment in self.model.system.segments]
         if self.update == "natural":
             bodies = [adaptation.factor(p) for p in bodies]
-        joints = [nominal(d.drive) for d in self.machine.drives]
+        joints = [nominal(d.drive) for d in self.model.drives]
         return Estimates(bodies, joints, command_filter.start(self.size))
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         v_r = required_velocity(self.position_gain, reference[:3], (measurement.q, measurement.v))
-        drives = self.machine.drives
+        drives = self.model.drives
         believed = [with_numbers(d.drive, x) for d, x in zip(drives, memory.joints, strict=True)]
         tau, rotors, bodies = self._bodies(memory.bodies, believed, measurement, v_r)
         asked = zip(believed, tau, (x.derivative(0) for x in v_r), measurement.v, self.speed_gain, strict=True)
@@ -112,7 +112,7 @@ class AdaptiveVDC(VDC):
     ) -> tuple[list[Scalar], list[Scalar], list[Any]]:
         """Torques on the links, rotor torques, both N m, and each body's new estimate; drives: as estimated."""
         armature = tuple(0 if drive.is_elastic else drive.reflected_inertia for drive in drives)
-        system = quasi_rigid(replace(self.machine.system, armature=armature))
+        system = quasi_rigid(replace(self.model.system, armature=armature))
         modelled = system.segments
         believed = [inertia_of(self._inertial(x)) for x in estimates]
         segments = tuple(replace(own, inertia=M) for own, M in zip(modelled, believed, strict=True))
@@ -128,7 +128,7 @@ class AdaptiveVDC(VDC):
     def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
         """(10 n,): the current estimates for all bodies, in the order of `Robot.inertial_parameters`."""
         found: list[float] = []
-        for segment, estimate in zip(self.machine.system.segments, memory.bodies, strict=True):
+        for segment, estimate in zip(self.model.system.segments, memory.bodies, strict=True):
             own = inertia_of(self._inertial(estimate))
             found += parameters_of(own.seen_from_parent(Pose(segment.to_user_axes, ZERO)))
         return np.array(found, float)

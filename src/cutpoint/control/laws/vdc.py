@@ -84,8 +84,8 @@ class VDC(ModelLaw):
         return any(drive.is_elastic for drive in self.robot.drives.values())
 
     @property
-    def machine(self) -> Machine:
-        """The model; with body gains, in the bodies' own frames."""
+    def model(self) -> Machine:
+        """The machine with this law's drive parameters; with body gains, in the bodies' own frames."""
         return self.robot.machine_with(self.parameters, lean=self.body_gain is None)
 
     def start(self) -> Any:
@@ -94,7 +94,7 @@ class VDC(ModelLaw):
 
     def step(self, memory: Any, measurement: Measurement, reference: Reference) -> tuple[Any, Command]:
         memory, v_r, tau_r = self.required(memory, measurement, reference)
-        m, drives = measurement, self.machine.drives
+        m, drives = measurement, self.model.drives
         states = drive_states(drives, m.q, m.v, m.theta, m.theta_dot)
         joint_gains = map(JointGains, self.speed_gain, self.motor_gain, self.spring_gain)
         subsystems = zip(drives, states, reference.q, v_r, tau_r, joint_gains, strict=True)
@@ -109,7 +109,7 @@ class VDC(ModelLaw):
 
         Xia (2019) eqs. (12), (14)-(20), (26).
         """
-        machine, m, r = self.machine, measurement, reference
+        machine, m, r = self.model, measurement, reference
         if self._bends and self.derivatives == "model":
             tau = torques_on_links(*machine, m.q, m.v, m.theta, m.theta_dot)
             a, jerk = (np.array(x) for x in link_motion(machine.system, [*m.q], [*m.v], tau))
