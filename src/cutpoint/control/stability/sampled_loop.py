@@ -17,7 +17,7 @@ from cutpoint.control.stability.law_at_rest import LawAtRest, between, differenc
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding
-from cutpoint.mechanics.drives.presliding import Presliding
+from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot, checked_pose
@@ -244,7 +244,7 @@ def _bare(drive: Drive) -> Drive:
 
 
 def _viscous(law: Friction | None) -> Friction | None:
-    sliding = law.sliding if isinstance(law, Presliding) else law
+    sliding = steady_sliding(law)
     return Coulomb(0.0, sliding.viscosity) if isinstance(sliding, Sliding) and sliding.viscosity else None
 
 

@@ -14,7 +14,7 @@ from cutpoint.control.tuning.design import design_of
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
-from cutpoint.mechanics.drives.presliding import Presliding
+from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -143,5 +143,5 @@ def _stopped(robot: Robot, q: Array) -> float:
 
 def _dry(law: Any) -> float:
     """Dry friction at SWINGING, N m; all of it, of a law of the user's own."""
-    known = law.sliding if isinstance(law, Presliding) else law
+    known = steady_sliding(law)
     return float(known.plateau(SWINGING) if isinstance(known, Sliding) else friction_torque(known, SWINGING))

@@ -165,14 +165,17 @@ def _followed(before: Scalar, start: Scalar, end: Scalar, way: Scalar, scale: Sc
     return end + (before - start) * (1 - gone) - (end - start) * (gone / x)
 
 
+def steady_sliding(law: Any) -> Any:
+    """The law of steady sliding: the bristles' one, or the law itself, which may be the user's own, or None."""
+    return law.sliding if isinstance(law, Presliding) else law
+
+
 def sliding_of(law: Any) -> Sliding | None:
-    """The sliding law of a friction law: the bristles' one, or the law itself.
+    """The law of steady sliding, with its coefficients.
 
     Raises InputError for a law of the user's own: it has no coefficients to learn or to identify.
     """
-    if law is None or isinstance(law, Sliding):
-        return law
-    if isinstance(law, Presliding):
-        return law.sliding
+    if law is None or isinstance(law, Sliding | Presliding):
+        return steady_sliding(law)
     remedy = "state Coulomb's or Stribeck's law, or bristles on one"
     raise InputError(f"friction law {type(law).__name__} has no coefficients to learn or to identify: {remedy}")
