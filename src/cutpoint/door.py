@@ -41,7 +41,8 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
 
     Raises InputError.
     """
-    array = as_numbers(function, name, value, f"numbers of shape (..., {size})" if isinstance(size, int) else "numbers")
+    rule = f"numbers of shape (..., {size})" if isinstance(size, int) else "numbers"
+    array = checked_numbers(function, name, value, rule)
     if isinstance(size, int) and (not array.ndim or array.shape[-1] != size):
         raise InputError(
             f"{function}: {name} has shape {array.shape}: its last axis must be {size}", name=name, shape=array.shape
@@ -54,7 +55,7 @@ def checked_array(function: str, name: str, value: ArrayLike, size: int | tuple[
     return array
 
 
-def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers") -> Array:
+def checked_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers") -> Array:
     """The value as float64 of any shape; NaN and infinity are allowed.  Raises InputError.  rule: what it must be."""
     if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
         remedy = "fill them in, or leave these rows out"
@@ -70,7 +71,7 @@ def as_numbers(function: str, name: str, value: ArrayLike, rule: str = "numbers"
 
 def channels(function: str, **given: ArrayLike) -> list[Array]:
     """Channels (N,) on one time as float64; NaN where not known.  Raises InputError."""
-    found = [as_numbers(function, name, value) for name, value in given.items()]
+    found = [checked_numbers(function, name, value) for name, value in given.items()]
     if len({x.shape for x in found}) > 1 or found[0].ndim != 1:
         shapes = ", ".join(f"{name} {x.shape}" for name, x in zip(given, found, strict=True))
         raise InputError(f"{function}: channels must be (N,), with one N; shapes are {shapes}")

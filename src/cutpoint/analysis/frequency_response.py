@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.analysis.linear_model import LinearModel
-from cutpoint.door import as_numbers, check_kind, checked_name
+from cutpoint.door import check_kind, checked_name, checked_numbers
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -136,7 +136,7 @@ def _check_no_pole(f: Array, poles: ComplexArray) -> None:
 
 
 def _checked(frequencies: ArrayLike) -> Array:
-    f = as_numbers("frequency_response", "frequencies", frequencies, "numbers (F,), Hz")
+    f = checked_numbers("frequency_response", "frequencies", frequencies, "numbers (F,), Hz")
     if f.ndim != 1 or not f.size or not (np.isfinite(f) & (f > 0)).all():
         raise InputError("frequency_response: frequencies must be a list (F,) of positive finite numbers, Hz")
     return f

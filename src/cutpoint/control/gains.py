@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.control.interface import is_traced
-from cutpoint.door import as_numbers, refused
+from cutpoint.door import checked_numbers, refused
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 
@@ -41,7 +41,7 @@ def _array(law: str, name: str, value: Any, rule: str) -> Any:
         array = np.asarray(value)
     except ValueError:  # lists of different lengths
         raise refused(law, name, value, rule) from None
-    return array if is_traced(array) else as_numbers(law, name, value, rule)
+    return array if is_traced(array) else checked_numbers(law, name, value, rule)
 
 
 def motor_limits(robot: Robot) -> Any:

@@ -187,11 +187,11 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
-def structure_of(law: Any) -> str:
+def law_in_words(law: Any) -> str:
     """A law in words, as `Guard(SpeedFilter(PD + Feedforward))`."""
     if isinstance(law, Sum):
-        return " + ".join(map(structure_of, law.parts))
-    return f"{type(law).__name__}({structure_of(law.law)})" if isinstance(law, Wrapper) else name_of(law)
+        return " + ".join(map(law_in_words, law.parts))
+    return f"{type(law).__name__}({law_in_words(law.law)})" if isinstance(law, Wrapper) else name_of(law)
 
 
 def check_drives(law: Controller, joints: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint import derivatives
 from cutpoint.control.interface import Control, start_of
-from cutpoint.control.law import structure_of
+from cutpoint.control.law import law_in_words
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
@@ -121,7 +121,7 @@ def export_controller(
     _check_bears(name, values, precision)
     limits = "no limits but the guard's" if has_guard else "limits not applied"
     told = "in single precision, " * single
-    about = f"a step of {structure_of(law)} for {robot.name}, {limits}, {told}to be called every {period:g} s"
+    about = f"a step of {law_in_words(law)} for {robot.name}, {limits}, {told}to be called every {period:g} s"
     notes = notes_of_law(robot, graph, about, values, is_guarded=has_guard)
     carried = {"memory": "next_memory"} if memory.size else {}
     notes = replace(notes, carried=carried, series={"time": partial(_passing, period)})

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.door import LARGEST, as_numbers
+from cutpoint.door import LARGEST, checked_numbers
 from cutpoint.errors import InputError, counted
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ def durations(time: Array) -> Array:
 
 def numbers(name: str, value: ArrayLike) -> Array:
     """A copy of the value as an array of float64.  Raises InputError for anything else, and for masked ones."""
-    return np.array(as_numbers("trajectory", name, value, "an array of numbers"))
+    return np.array(checked_numbers("trajectory", name, value, "an array of numbers"))
 
 
 def positions(name: str, value: ArrayLike) -> Array:

@@ -9,7 +9,7 @@ from cutpoint.control.gains import motor_limits
 from cutpoint.control.interface import is_traced
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
-from cutpoint.door import as_numbers
+from cutpoint.door import checked_numbers
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
@@ -32,7 +32,7 @@ class ModelLaw(Law):
         if self.parameters is None:
             self._set(parameters=own)
         elif not is_traced(np.asarray(self.parameters)):
-            given = as_numbers(type(self).__name__, "parameters", self.parameters)
+            given = checked_numbers(type(self).__name__, "parameters", self.parameters)
             if given.shape != own.shape or np.isnan(given).any():
                 found = f"shape {given.shape}" if given.shape != own.shape else "NaN among them"
                 rule = f"must be {own.size} numbers, as robot.drive_parameters"

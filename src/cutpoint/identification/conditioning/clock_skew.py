@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 from scipy.optimize import minimize_scalar
 
-from cutpoint.door import as_numbers, positive
+from cutpoint.door import checked_numbers, positive
 from cutpoint.errors import InputError
 
 Array = NDArray[np.float64]
@@ -102,7 +102,7 @@ def _fit(functions: Array, x: Array) -> tuple[Array, Array]:
 
 def _arrays(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     """x (N,) and y (N, n)."""
-    first, second = as_numbers("clock_skew", "x", x), as_numbers("clock_skew", "y", y)
+    first, second = checked_numbers("clock_skew", "x", x), checked_numbers("clock_skew", "y", y)
     if first.ndim != 1 or second.ndim not in (1, 2) or len(second) != first.size:
         raise InputError(f"channels of shapes {first.shape} and {second.shape} must be (N,) and (N,) or (N, joints)")
     return first, second.reshape(first.size, -1)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_erosion
 from scipy.signal import butter, sosfiltfilt, welch
 
-from cutpoint.door import as_numbers, number, positive, whole
+from cutpoint.door import checked_numbers, number, positive, whole
 from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.recording import Recording, check_recording
 
@@ -152,7 +152,7 @@ def low_passed(recording: Recording, cutoff: float | None = None) -> Recording:
 
 def _samples(function: str, values: ArrayLike) -> Array:
     """The values as an array (N, ...), N at least 1.  Raises InputError."""
-    array = as_numbers(function, "values", values)
+    array = checked_numbers(function, "values", values)
     if not array.ndim or not len(array):
         raise InputError(f"{function}: values have shape {array.shape}: they must be (N, ...)", shape=array.shape)
     return array

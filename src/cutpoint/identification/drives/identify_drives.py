@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.door import as_numbers, number, refused
+from cutpoint.door import checked_numbers, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.conditioning.motion import check_friction
@@ -140,7 +140,7 @@ def checked_delay(function: str, delay: float, recording: Recording) -> float:
 
 def _resolution_of(given: ArrayLike, joints: int) -> Array:
     """(n,) rad, the user's.  Raises InputError."""
-    found = as_numbers("identify_drives", "resolution", given)
+    found = checked_numbers("identify_drives", "resolution", given)
     if found.shape not in ((), (1,), (joints,)) or not (np.isfinite(found) & (found >= 0.0)).all():
         rule = "one number, or one for each joint, rad (m), not negative"
         raise refused("identify_drives", "resolution", given, rule)

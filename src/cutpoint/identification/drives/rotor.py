@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from cutpoint.door import as_numbers, channels, number, positive, turns_per_turn
+from cutpoint.door import channels, checked_numbers, number, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.bridging import longest_bridge
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
@@ -134,7 +134,7 @@ def motor_side(
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
     drive = drive if delay is None else late(drive, period, number("motor_side", "delay", delay, "s"))
     fixed = _terms(angle, drive, period, with_delay=delay is None)
-    borne, target = as_numbers("motor_side", "transmission", transmission) * load, -drive
+    borne, target = checked_numbers("motor_side", "transmission", transmission) * load, -drive
     if current is None:
         target = target + borne
     else:  # the noise is the current's: all else is estimated over the gain, and the gain as its reciprocal

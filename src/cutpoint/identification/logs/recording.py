@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import as_numbers, check_kind, checked_name, checked_names, number
+from cutpoint.door import check_kind, checked_name, checked_names, checked_numbers, number
 from cutpoint.errors import InputError, counted, unknown_name
 from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
 
@@ -139,7 +139,7 @@ class Recording:
 
 
 def _frozen(name: str, values: Any) -> Array:
-    copy = as_numbers("Recording", name, values).copy()
+    copy = checked_numbers("Recording", name, values).copy()
     copy.setflags(write=False)
     return copy
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.door import as_numbers, check_kind, checked_names, number, path_of
+from cutpoint.door import check_kind, checked_names, checked_numbers, number, path_of
 from cutpoint.errors import InputError, unknown_name
 
 if TYPE_CHECKING:
@@ -208,7 +208,7 @@ def column_name(channel: str, joint: str) -> str:
 
 def _frozen(name: str, values: Any) -> Array:
     """A read-only copy; an array that is read-only already is not copied.  Raises InputError."""
-    found = as_numbers("Log", name, values)
+    found = checked_numbers("Log", name, values)
     owner: Any = found if found.base is None else found.base
     if found is values and not found.flags.writeable and isinstance(owner, np.ndarray) and not owner.flags.writeable:
         return found
