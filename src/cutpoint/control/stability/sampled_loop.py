@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.control.interface import Control, name_of
+from cutpoint.control.interface import SENSED, Control, name_of
 from cutpoint.control.law import Law, as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
 from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
-from cutpoint.control.sensors import Encoders, Sensors, encoders_of
+from cutpoint.control.sensors import SAMPLED, Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError
@@ -163,7 +163,8 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
     if kept > MOST_REMEMBERED:
         rule = f"{kept} delayed numbers are too many to compute poles with, at most {MOST_REMEMBERED}; is it in ms?"
         raise InputError(f"{function}: sensors delay by {encoders.delay} periods: {rule}", delay=encoders.delay)
-    order = np.arange(4 * n).reshape(4, n)[[0, 2, 1, 3]].ravel()  # encoders have both positions first
+    # encoders have both positions first, which exchanges two of the four: the same there and back
+    order = np.arange(4 * n).reshape(4, n)[[SENSED.index(name) for name in SAMPLED]].ravel()
 
     def measured(numbers: Array) -> Array:
         line, before = [*numbers[4 * n : 4 * n + delayed], *numbers[order]], [*numbers[4 * n + delayed :]]
