@@ -3,8 +3,7 @@
 Only within traces.  Friction is that of steady sliding, and springs have no hysteresis.
 """
 
-from collections import namedtuple
-from typing import Any
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from cutpoint.kernels import jacobian_of
 from cutpoint.mechanics.drives.harmonic_drive import DriveState
@@ -16,13 +15,28 @@ from cutpoint.model import Drive
 from cutpoint.scalars import Jet
 
 Scalars = list[Any]
+Row = TypeVar("Row")
 
 STATE = ("q", "v", "theta", "theta_dot", "motor_torque")
 """What a drive's effort depends on."""
 
-EFFORT_SLOPES = [f"d_{effort}_d_{x}" for effort in ("on_link", "alpha") for x in STATE]
 
-EffortSlopes = namedtuple("EffortSlopes", EFFORT_SLOPES)
+class EffortSlopes(NamedTuple, Generic[Row]):
+    """Derivatives of `drive_effort`, on_link and alpha, by each number of STATE: a row with an entry for each drive."""
+
+    d_on_link_d_q: Row
+    d_on_link_d_v: Row
+    d_on_link_d_theta: Row
+    d_on_link_d_theta_dot: Row
+    d_on_link_d_motor_torque: Row
+    d_alpha_d_q: Row
+    d_alpha_d_v: Row
+    d_alpha_d_theta: Row
+    d_alpha_d_theta_dot: Row
+    d_alpha_d_motor_torque: Row
+
+
+EFFORT_SLOPES = EffortSlopes._fields
 
 MOTION = ("torque", "torque_dot", "torque_ddot", "q", "v", "a", "jerk", "snap")
 """What a motor's torque depends on: its joint's, with two rates, and the joint's motion."""

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from os import PathLike
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, cast
+from typing import Literal
 
 from numpy.typing import ArrayLike
 
@@ -54,27 +54,37 @@ def load(
     check_truths("load", floating_base=floating_base, mend_inertia=mend_inertia)
     check_kind("load", "xacro", xacro, (Mapping, NoneType), "arguments of a .xacro file, by name")
     suffix = path.suffix.lower()
-    of_urdf = {"floating_base": floating_base, "mimic": mimic, "mend_inertia": mend_inertia, "xacro": xacro}
     if suffix in (".urdf", ".xacro"):
         fall = STANDARD_GRAVITY if gravity is None else gravity
-        mechanism, stated = load_urdf(path, gravity=fall, lock=lock, **cast(Any, of_urdf)), dict[str, Drive]()
+        stated = dict[str, Drive]()
+        mechanism = load_urdf(
+            path,
+            gravity=fall,
+            floating_base=floating_base,
+            lock=lock,
+            mimic=mimic,
+            mend_inertia=mend_inertia,
+            xacro=xacro,
+        )
     elif suffix in (".mjcf", ".xml"):
         from cutpoint.formats import load_mjcf  # slow to import
 
-        _check_is_no_urdf(path, of_urdf)
+        _check_is_no_urdf(path, floating_base, mimic, mend_inertia, xacro)
         mechanism, stated = load_mjcf(path, gravity=gravity, lock=lock)
     else:
         raise ModelError(f"robot file {str(path)!r} must be a .urdf, .xacro, .mjcf or .xml")
     return Robot(mechanism, _drives(mechanism, stated, drives, lock or {}), backend=backend)
 
 
-def _check_is_no_urdf(path: Path, given: Mapping[str, Any]) -> None:
+def _check_is_no_urdf(
+    path: Path, floating_base: bool, mimic: str, mend_inertia: bool, xacro: Mapping[str, str] | None
+) -> None:
     """Raises InputError for options of URDF files, given with an MJCF file."""
-    if given["floating_base"] or given["mimic"] != "independent":
+    if floating_base or mimic != "independent":
         raise InputError("load: floating_base and mimic are for URDF files; an MJCF file itself says what floats")
-    if given["xacro"]:
-        raise InputError(f"load: xacro={given['xacro']!r} is for .xacro files, got {str(path)!r}: leave it out")
-    if given["mend_inertia"]:
+    if xacro:
+        raise InputError(f"load: xacro={xacro!r} is for .xacro files, got {str(path)!r}: leave it out")
+    if mend_inertia:
         remedy = 'state <compiler balanceinertia="true"/> in an MJCF file'
         raise InputError(f"load: mend_inertia is for URDF files; {remedy}")
 

@@ -1,6 +1,6 @@
 """A robot: what a user loads, asks and simulates."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
@@ -519,7 +519,7 @@ class Robot:
         return self._compiled.with_parameters(parameters, lean)
 
     @cached_property
-    def trace_key(self) -> Any:
+    def trace_key(self) -> Hashable:
         """Equal for robots that one trace serves: the same mechanism, driven through drives of the same structure."""
         return (id(self.mechanism), self.backend, self._compiled.structure)
 

@@ -163,7 +163,7 @@ def _through_drives(m: Machine, *state: Scalars) -> list[Matrix]:
 
 def drive_slopes(
     m: Machine, q: Scalars, v: Scalars, theta: Scalars, theta_dot: Scalars, motor_torque: Scalars
-) -> EffortSlopes:
+) -> EffortSlopes[Scalars]:
     """Derivatives of each drive's effort on its link, and of its rotor's acceleration, by each number of its state."""
     pairs = zip(m.drives, drive_states(m.drives, q, v, theta, theta_dot), motor_torque, strict=True)
     rows = [effort_slopes(d.drive, [*at, torque]) for d, at, torque in pairs]

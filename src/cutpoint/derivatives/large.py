@@ -39,7 +39,7 @@ def elastic_forward_dynamics(
     d_q: Array,
     d_v: Array,
     M: Array,
-    slopes: EffortSlopes,
+    slopes: EffortSlopes[Array],
     solver: "Solver | None",
 ) -> list[Array]:
     """d a / d (q, v, theta, theta_dot, motor_torque), then those of theta_ddot; rotors do not feel their carriers.

@@ -112,7 +112,7 @@ RECIPES: Mapping[Any, Recipe] = {
     "elastic_forward_dynamics": Recipe(
         elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, True, "strains", True, pairs=1000
     ),
-    "drive_slopes": Recipe(elastic.drive_slopes, STATE, tuple(EFFORT_SLOPES), 12, True),
+    "drive_slopes": Recipe(elastic.drive_slopes, STATE, EFFORT_SLOPES, 12, True),
 }
 """By name, or by a key that begins with it."""
 

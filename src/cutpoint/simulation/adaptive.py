@@ -69,13 +69,13 @@ class _Way:
         numbers: dict[str, Any] = {"numbers": len(self._parameters)}
         states: dict[str, Any] = {"x": layout.state, "origin": layout.state}
 
-        def plant(x: list, origin: list, command: list, disturbance: list, numbers: list) -> list:
+        def plant(x: Scalars, origin: Scalars, command: Scalars, disturbance: Scalars, numbers: Scalars) -> Scalars:
             return plant_rates(robot.machine_with(numbers), x, origin, command, disturbance)
 
-        def settle(x: list, origin: list, numbers: list) -> list:
+        def settle(x: Scalars, origin: Scalars, numbers: Scalars) -> Scalars:
             return _settled(robot.machine_with(numbers), x, origin)
 
-        def turning(x: list, numbers: list) -> list:
+        def turning(x: Scalars, numbers: Scalars) -> Scalars:
             return _winding_speeds(robot.machine_with(numbers), x)
 
         inputs = {**states, "command": layout.n, "disturbance": layout.nv}

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from cutpoint import kernels
 from cutpoint.errors import InputError
 from cutpoint.scalars import leaves
-from cutpoint.simulation.adaptive import ATOL, RTOL, end_period, plant_rates
+from cutpoint.simulation.adaptive import ATOL, RTOL, Scalars, end_period, plant_rates
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
 from cutpoint.trajectories.trajectory import Moves
@@ -77,7 +77,7 @@ class _Rates:
         backend = loop.robot.backend
         return kernels.compile(self._traced, name="closed_loop", backend=backend, x=loop.layout.state, **sizes)
 
-    def _traced(self, x: list, row: list, law: list, parameters: list) -> list:
+    def _traced(self, x: Scalars, row: Scalars, law: Scalars, parameters: Scalars) -> Scalars:
         """The command's torques, then dx/dt."""
         loop, n, disturbance = self._loop, self._loop.layout.n, self._loop.layout.disturbance(row)
         measured = loop.sense(loop.lanes.padded(x), [], parameters)

@@ -1,6 +1,6 @@
 """A law that holds a robot at rest, and the response of its torque and memory to small motions there."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from cutpoint.control.own_law import check_pure
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild, with_float_leaves
+
+if TYPE_CHECKING:
+    from cutpoint.analysis import OperatingPoint
 
 Array = NDArray[np.float64]
 
@@ -34,14 +37,14 @@ class LawAtRest:
     """A law in equilibrium: it holds the robot at rest under its load, with constant reference and memory.
 
     With the pose itself as reference it would not carry the load, and integrators would wind up to their limits.
-    point: an `analysis.OperatingPoint`, at rest.  period: s.
+    point: at rest.  period: s.
 
     Raises:
         InputError: the law reports a fault there.
         TraceError: the law is a user's own, and cannot be compiled.
     """
 
-    def __init__(self, robot: Robot, law: Any, point: Any, period: float) -> None:
+    def __init__(self, robot: Robot, law: Any, point: "OperatingPoint", period: float) -> None:
         check_pure(law, len(robot.drives))
         start = with_float_leaves(start_of(law))
         self._step, self._time = _step_kernel(robot, law, start), 0.0
