@@ -8,11 +8,12 @@ from cutpoint.control.laws.joint_law import JointCommand, JointGains, joint_comm
 from cutpoint.control.laws.vdc import VDC
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
-from cutpoint.mechanics.bodies.spatial import NO_WRENCH, Wrench
+from cutpoint.mechanics.bodies.spatial import Wrench
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque, required_friction
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.inverse_dynamics import joint_efforts, motions, net_wrenches, transmitted_wrenches
-from cutpoint.mechanics.required_dynamics import required_motions, velocity_feedback
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, transmitted_wrenches, joint_efforts, motions, net_wrenches
+from cutpoint.mechanics.required_dynamics import velocity_feedback, required_motions, required_wrenches
+from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
 
@@ -34,35 +35,39 @@ def virtual_power_flows(machine: Machine, state: list[Scalars], law: VDC, m: Mea
     _, v_r, required_torques = law.required((), m, r)
     speeds, accelerations = ([w.derivative(k) for w in v_r] for k in range(2))
     # the bodies' required motions and wrenches, by the law's model and measurements
-    own = replace(law.robot.machine_with(law.parameters).system, armature=(0,) * len(v))
-    seen, required = required_motions(own, [*m.q], [*m.v], speeds, accelerations)
-    F_r = net_wrenches(own, required, speeds, accelerations, seen)
-    gains = law.body_gain if law.body_gain is not None else [None] * len(F_r)
-    bodies = [*zip(own.segments, gains, required, seen, strict=True)]
-    F_r = [F + _pull(*x) for F, x in zip(F_r, bodies, strict=True)]
+    model = replace(law.robot.machine_with(law.parameters).system, armature=(0,) * len(v))
+    measured, required = required_motions(model, [*m.q], [*m.v], speeds, accelerations)
+    F_r = required_wrenches(model, measured, required, speeds, accelerations, law.body_gain)
     # their actual ones
-    system = replace(machine.system, armature=own.armature)
+    plant = replace(machine.system, armature=model.armature)
     a = elastic_forward_dynamics(*machine, *state).a
-    moved = motions(system, q, v, a)
-    F = net_wrenches(system, moved, v, a)
+    actual = motions(plant, q, v, a)
+    F = net_wrenches(plant, actual, v, a)
     excess = [wanted - have for wanted, have in zip(F_r, F, strict=True)]
-    accounts: list[Account] = []
-    for (segment, K, wanted, _), true, have, dF in zip(bodies, system.segments, moved, excess, strict=True):
-        lag = wanted.V - have.V
-        lost = lag.power(_pull(segment, K, wanted, have))
-        accounts.append((kinetic_energy(true.inertia, lag), lost, lag.power(dF)))
+    gains = law.body_gain if law.body_gain is not None else [None] * len(excess)
+    bodies = zip(model.segments, gains, plant.segments, required, actual, excess, strict=True)
+    accounts = [_body_account(*body) for body in bodies]
     # virtual power from joints to the bodies between them
-    given = joint_efforts(system, transmitted_wrenches(system, [x.X for x in moved], excess, {}))
+    passed = joint_efforts(plant, transmitted_wrenches(plant, [x.X for x in actual], excess, {}))
     joint_gains = map(JointGains, law.speed_gain, law.motor_gain, law.spring_gain)
     joints = zip(law.model.drives, machine.drives, joint_gains, strict=True)
     for k, (believed, driven, gain) in enumerate(joints):
-        at = DriveState(*(x[k] for x in m[2:]))
-        command = joint_command(believed.drive, at, r.q[k], v_r[k], required_torques[k], gain)
-        place = DriveState(q[driven.q], v[driven.v], theta[k], theta_dot[k])
+        seen = DriveState(*(x[k] for x in m[2:]))
+        command = joint_command(believed.drive, seen, r.q[k], v_r[k], required_torques[k], gain)
+        at = DriveState(q[driven.q], v[driven.v], theta[k], theta_dot[k])
         tau_r = required_torques[k].tau_r.derivative(0)
-        storage, lost = joint_account(driven.drive, place, speeds[driven.v], tau_r, command, gain)
-        accounts.append((storage, lost, -(speeds[driven.v] - place.v) * given[driven.v]))
+        storage, lost = joint_account(driven.drive, at, speeds[driven.v], tau_r, command, gain)
+        accounts.append((storage, lost, -(speeds[driven.v] - at.v) * passed[driven.v]))
     return Flows(*([account[k] for account in accounts] for k in range(3)))
+
+
+def _body_account(
+    modelled: Segment, K: Any, body: Segment, required: BodyMotion, actual: BodyMotion, excess: Wrench
+) -> Account:
+    """Of a body's velocity error: its kinetic energy, what the gain K of the law dissipates, and its inflow."""
+    lag = required.V - actual.V
+    lost = 0 if K is None else lag.power(velocity_feedback(modelled, K, required.V, actual.V))
+    return kinetic_energy(body.inertia, lag), lost, lag.power(excess)
 
 
 def joint_account(
@@ -84,8 +89,3 @@ def joint_account(
 
 def _friction_excess(law: Any, wanted: Scalar, speed: Scalar) -> Scalar:
     return required_friction(law, wanted, speed) - friction_torque(law, speed)
-
-
-def _pull(segment: Any, K: Any, required: Any, actual: Any) -> Wrench:
-    """K (V_r - V) of a body; zero without K."""
-    return NO_WRENCH if K is None else velocity_feedback(segment, K, required.V, actual.V)

@@ -52,12 +52,25 @@ def efforts_between(
 
     Xia (2019) eqs. (15)-(20), (48)-(53).  gains: K of each body, 6 x 6 in its own axes, for velocity feedback.
     """
-    F_r = net_wrenches(system, required, v_r, a_r, actual)
-    if gains is not None:
-        bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
-        F_r = [F + velocity_feedback(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
+    F_r = required_wrenches(system, actual, required, v_r, a_r, gains)
     F_r = transmitted_wrenches(system, [m.X for m in actual], F_r, {})
     return joint_efforts(system, F_r), rotor_efforts(system, required, a_r, actual)
+
+
+def required_wrenches(
+    system: System,
+    actual: Sequence[BodyMotion],
+    required: Sequence[BodyMotion],
+    v_r: Scalars,
+    a_r: Scalars,
+    gains: Sequence[Gain] | None,
+) -> list[Wrench]:
+    """Net wrench of each body for its required motion, with velocity feedback: see `efforts_between`."""
+    F_r = net_wrenches(system, required, v_r, a_r, actual)
+    if gains is None:
+        return F_r
+    bodies = zip(system.segments, F_r, gains, required, actual, strict=True)
+    return [F + velocity_feedback(body, K, m_r.V, m.V) for body, F, K, m_r, m in bodies]
 
 
 def required_motions(
