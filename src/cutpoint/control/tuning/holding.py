@@ -104,10 +104,7 @@ def check_holds(
     shorter = period / (SHORTER if period < LONG else 1e3 if period < VERY_LONG else 1e6)
     if would_hold(law, shorter):
         remedies.append(f"a control_period of {shorter:.3g} s holds")
-    if any(drive.is_elastic and not drive.damping for drive in robot.drives.values()):
-        remedies.append("give the springs damping")
-    remedies += [f"make {name}= {change}" for name, change in CHANGES.items() if np.any(getattr(law, name, 0.0))]
-    remedies += _light_rotor(robot, q, worst.joint)
+    remedies += _other_remedies(robot, law, q, worst.joint)
     told = "; ".join([f"{type(law).__name__} does not hold at this pose: {what}", *remedies])
     raise InputError(told, joint=worst.joint, pole=worst)
 
@@ -118,6 +115,13 @@ def _warn_if_fragile(robot: Robot, law: Any, peaks: Array) -> None:
         found = f"the loop of {robot.joints[k]!r} amplifies disturbances {peaks[k]:.3g} times, 2 or 3 is usual"
         told = f"{type(law).__name__} holds at this pose, but hardly: {found}; try another bandwidth, and see margins"
         warn(f"tune: {told}", FragileWarning)
+
+
+def _other_remedies(robot: Robot, law: Any, q: Array, joint: str) -> list[str]:
+    """What may help besides another bandwidth or period; joint: the one that moves most."""
+    is_undamped = any(drive.is_elastic and not drive.damping for drive in robot.drives.values())
+    changes = [f"make {name}= {change}" for name, change in CHANGES.items() if np.any(getattr(law, name, 0.0))]
+    return [*["give the springs damping"] * is_undamped, *changes, *_light_rotor(robot, q, joint)]
 
 
 def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:

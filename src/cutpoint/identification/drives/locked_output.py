@@ -98,7 +98,32 @@ def locked_output(
         angle, np.zeros_like(angle), load, period, ratio, resolution=resolution, orders=(), laws=laws, damping=False
     )
     known = np.isfinite(angle) & np.isfinite(load)
-    angle, load = angle[known], load[known]
+    at, rising, falling, variance = _branches(angle[known], load[known])
+    middle = 0.5 * (rising + falling)
+    play, error = _play(at, middle)
+    why = {name: sentence for name, sentence in spring.unidentifiable.items() if name != "kinematic_error"}
+    if play < SIGNIFICANT * error:
+        why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
+        play = 0.0
+    loss, deviations = float(np.interp(0.0, at, falling - rising)), {}
+    deviations["hysteresis_loss"] = float(np.sqrt(np.interp(0.0, at, variance)))
+    if loss < SIGNIFICANT * deviations["hysteresis_loss"]:
+        why["hysteresis_loss"] = _as_nothing(loss, deviations["hysteresis_loss"])
+    lost = None
+    if read is not None and read > at[-1]:
+        why["lost_motion"] = f"it is read at {read:.3g} N m, but the sweeps end at {at[-1]:.3g} N m; load further"
+    elif read is not None:
+        lost, deviations["lost_motion"] = _travel(read, at, middle, variance)
+        if lost < SIGNIFICANT * deviations["lost_motion"]:
+            why["lost_motion"] = _as_nothing(lost, deviations["lost_motion"])
+    return LockedOutput(at, rising, falling, loss, lost, play, spring, deviations, why)
+
+
+def _branches(angle: Array, load: Array) -> tuple[Array, Array, Array, Array]:
+    """Torques, the angle there while torque rises and while it falls, less their mean, and the sum of their variances.
+
+    Raises InputError without a complete sweep in both directions.
+    """
     limit = REACHED * min(float(load.max()), -float(load.min()))
     if not limit > 0.0:
         found = f"torque runs from {load.min():.3g} to {load.max():.3g} N m"
@@ -107,28 +132,15 @@ def locked_output(
     noise = float(np.hypot(_noise(load), _noise(angle) / softness))
     noise = min(noise, INNER * limit / NOISES)
     both = (_mean_way(angle, load, at, noise, softness, direction) for direction in (1.0, -1.0))
-    ways, (up, down) = zip(*both, strict=True)
-    rising, falling = (way - 0.5 * (ways[0] + ways[1]).mean() for way in ways)
-    middle = 0.5 * (rising + falling)
-    play, error = _play(at, middle)
-    why = {name: sentence for name, sentence in spring.unidentifiable.items() if name != "kinematic_error"}
-    if play < SIGNIFICANT * error:
-        why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
-        play = 0.0
-    loss, deviations = float(np.interp(0.0, at, falling - rising)), {}
-    deviations["hysteresis_loss"] = float(np.sqrt(np.interp(0.0, at, up + down)))
-    if loss < SIGNIFICANT * deviations["hysteresis_loss"]:
-        why["hysteresis_loss"] = _as_nothing(loss, deviations["hysteresis_loss"])
-    lost = None
-    if read is not None and read > limit:
-        why["lost_motion"] = f"it is read at {read:.3g} N m, but the sweeps end at {limit:.3g} N m; load further"
-    elif read is not None:
-        ends = np.interp([-read, read], at, middle)
-        lost = float(ends[1] - ends[0])
-        deviations["lost_motion"] = 0.5 * float(np.sqrt(np.interp([-read, read], at, up + down).sum()))
-        if lost < SIGNIFICANT * deviations["lost_motion"]:
-            why["lost_motion"] = _as_nothing(lost, deviations["lost_motion"])
-    return LockedOutput(at, rising, falling, loss, lost, play, spring, deviations, why)
+    (rising, falling), (up, down) = zip(*both, strict=True)
+    mean = 0.5 * (rising + falling).mean()
+    return at, rising - mean, falling - mean, up + down
+
+
+def _travel(read: float, at: Array, middle: Array, variance: Array) -> tuple[float, float]:
+    """Travel of the middle curve from -read to read, N m, and its standard deviation; rad."""
+    ends = np.interp([-read, read], at, middle)
+    return float(ends[1] - ends[0]), 0.5 * float(np.sqrt(np.interp([-read, read], at, variance).sum()))
 
 
 def _as_nothing(value: float, deviation: float) -> str:

@@ -142,14 +142,24 @@ def motor_side(
     passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: a filter of {band:.3g} Hz leaves fewer than {LEAST_SAMPLES} samples")
+    return _estimate((*fixed,), passed, speed, period, band, ratio)
 
-    sign = 1.0 if current is None else _sign(passed, [*fixed].index("gain"))
+
+def _estimate(
+    free: tuple[str, ...], passed: Array, speed: Array, period: float, band: float, ratio: float
+) -> RotorEstimate:
+    """The unknowns that fit best.
+
+    passed: columns (N, ...), filtered, of the unknowns of either sign, named `free`, then that of viscous friction, and
+    the target; with a gain, the target is the current.
+    """
+    sign = _sign(passed, free.index("gain")) if "gain" in free else 1.0
     passed[:, -1] *= sign  # a current of opposite sign
-    smoothing = _best_smoothing(speed, passed, len(fixed), period, band)
-    columns, weights, residual = _fit(smoothing, speed, passed, len(fixed), period, band)
+    smoothing = _best_smoothing(speed, passed, len(free), period, band)
+    columns, weights, residual = _fit(smoothing, speed, passed, len(free), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
-    names = (*fixed, "viscous", "coulomb")
-    if current is not None:
+    names = (*free, "viscous", "coulomb")
+    if "gain" in free:
         weights, spread = _by_gain(names, weights, spread, sign)
         scatter *= abs(float(weights[names.index("gain")]))
     return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
