@@ -75,7 +75,7 @@ class FunctionLaw(Law):
 class Sum(Law):
     """The sum of all parts' torques; reports the fault that came first.
 
-    Raises InputError when two parts make a motor reference.
+    Raises InputError if two parts make a motor reference.
     """
 
     parts: tuple[Any, ...]

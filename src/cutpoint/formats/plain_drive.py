@@ -14,6 +14,7 @@ def drive_of(joint: Joint) -> Drive:
 
     joint: of a mechanism, `robot.mechanism.bodies[k].joint`.  Its `friction`, N m (N), and `damping`, N m s/rad
     (N s/m), become Coulomb friction on the link's side, smoothed as by default; there is none if both are 0.
+    Raises InputError for anything but a joint.
     """
     check_kind("drive_of", "joint", joint, Joint, "a Joint, as robot.mechanism.bodies[0].joint")
     if joint.damping == 0.0 and joint.friction == 0.0:

@@ -41,14 +41,14 @@ def catalogue_gear(name: str) -> CatalogueGear:
 
 
 def catalogue_friction(name: str) -> InputFriction:
-    """A gear's friction at its input, from its sheet or as an estimate.  Errors as in `catalogue_gear`."""
+    """A gear's friction at its input, from its sheet or as an estimate.  Raises ModelError as `catalogue_gear` does."""
     return input_friction(catalogue_gear(name), catalogue_gear)
 
 
 def entry_of(name: str) -> dict[str, Any]:
     """A gear or actuator as an entry of a drive file, in its units: a dict of fields, without those that lack data.
 
-    The circular spline is fixed, and the flexspline turns the joint.  Errors as in `catalogue_gear`.
+    The circular spline is fixed, and the flexspline turns the joint.  Raises ModelError as `catalogue_gear` does.
     """
     return drive_entry(catalogue_gear(name), catalogue_friction(name))
 
@@ -57,7 +57,7 @@ def catalogue_drive(name: str) -> Drive:
     """A gear or actuator as the drive of a revolute joint, with whatever its data sheet tells.
 
     The circular spline is fixed, so the ratio is negative.  A gear's rotor is its wave generator alone: the motor's
-    inertia has to be added.  Errors as in `catalogue_gear`.
+    inertia has to be added.  Raises ModelError as `catalogue_gear` does.
     """
     section = Section(name, YamlDocument("catalogue", {}, {}), ((),))
     return to_drive(section.read(DriveSheet, entry_of(name)), section)

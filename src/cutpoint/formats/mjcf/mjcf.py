@@ -71,8 +71,9 @@ def load_mjcf(
     without mass, named `<body>_after_<joint>`; bodies and joints without a name are `body_<n>` and `joint_<n>`.
     If the file uses such a name itself, underscores are appended.  A site with the name of a body or joint is the frame
     `<site>_site`, and a RenamedWarning says so.
-    Raises ModelError: the `mujoco` package is missing, what is wrong in the file or in gravity, or what cannot be
-    locked.
+
+    Raises:
+        ModelError: the `mujoco` package is missing, what is wrong in the file or in gravity, or what cannot be locked.
     """
     path = path_of("load_mjcf", path)
     root = parse_xml(read_bytes(path, MAXIMUM_BYTES), str(path))

@@ -30,7 +30,8 @@ def skews(recording: Recording) -> dict[str, Skew]:
     the deflection due to it; that one is biased by friction on the motor's side, which causes no deflection.  The delay
     is their mean, and half of their difference is part of the uncertainty.
 
-    Raises InputError: times that are not uniform, a channel that was not recorded, or no joint with both sides moving.
+    Raises:
+        InputError: times that are not uniform, a channel that was not recorded, or no joint with both sides moving.
     """
     check_recording("skews", recording)
     period, channels = recording.period, recording.channels

@@ -63,7 +63,9 @@ def clock_skew(
     period: s between samples.
     law: other functions of y than y itself, with weights to be fitted: `single_joint_torque`, `arm_torque(robot,
     joint)`, or any of y (N, n) and its first two derivatives that returns (N, functions).
-    Raises InputError: channels too short, a y that does not move, or a best delay beyond LARGEST_SKEW.
+
+    Raises:
+        InputError: channels too short, a y that does not move, or a best delay beyond LARGEST_SKEW.
     """
     period = positive("clock_skew", "period", period, "s")
     first, second = _arrays(x, y)

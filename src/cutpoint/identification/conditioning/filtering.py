@@ -61,7 +61,8 @@ def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER
     A Butterworth filter forwards and backwards: a component at the cut-off (Hz) is halved, one at frequency f keeps
     1 / (1 + (f / cutoff)^(2 order)).  A stretch between gaps that is shorter than its edge losses is NaN.
 
-    Raises InputError: a cut-off that is not between 0 and half of the sampling rate, or other invalid arguments.
+    Raises:
+        InputError: a cut-off that is not between 0 and half of the sampling rate, or other invalid arguments.
     """
     period, cutoff = positive("low_pass", "period", period, "s"), number("low_pass", "cutoff", cutoff, "Hz")
     values, order = _samples("low_pass", values), whole("low_pass", "order", order)
@@ -97,7 +98,8 @@ def derivative(values: ArrayLike, period: float, order: int = 1) -> Array:
     A component at a tenth of the sampling rate is scaled by 0.935 (0.967 for the second derivative), slower ones by
     nearly 1, and noise grows with its frequency: low-pass first.
 
-    Raises InputError: fewer than 3 samples, no numbers, a period that is not positive, or another order.
+    Raises:
+        InputError: fewer than 3 samples, no numbers, a period that is not positive, or another order.
     """
     if whole("derivative", "order", order) > 2:
         raise InputError(f"derivative: order {order} must be 1 or 2", order=order)
@@ -120,7 +122,8 @@ def noise_cutoff(values: ArrayLike, period: float, *, otherwise: float | None = 
     if needed to leave clear lines, a thousand times above the floor, unattenuated.  Motion below the floor is lost.
     otherwise: Hz, result if nothing exceeds the noise; None raises an error instead.
 
-    Raises InputError: no column moves, or none exceeds its noise.
+    Raises:
+        InputError: no column moves, or none exceeds its noise.
     """
     values, period = _samples("noise_cutoff", values), positive("noise_cutoff", "period", period, "s")
     columns = [column[_longest(column)] for column in values.reshape(len(values), -1).T]
@@ -139,7 +142,9 @@ def low_passed(recording: Recording, cutoff: float | None = None) -> Recording:
     """All channels through one filter, so that linear relations between them still hold.
 
     cutoff: Hz; by default where the positions fall below their noise, see `noise_cutoff`.
-    Raises InputError: times that are not uniform, or a cut-off that is out of bounds.
+
+    Raises:
+        InputError: times that are not uniform, or a cut-off that is out of bounds.
     """
     check_recording("low_passed", recording)
     period = recording.period

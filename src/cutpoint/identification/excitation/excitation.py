@@ -69,7 +69,10 @@ class Excitation:
         return round(self.trajectory.duration * self.trajectory.base_frequency)
 
     def save_csv(self, path: str | Path, rate: float = 200.0) -> None:
-        """Write the positions, rad (m), at a rate, Hz, as `trajectories.from_csv` reads them."""
+        """Write the positions, rad (m), at a rate, Hz, as `trajectories.from_csv` reads them.
+
+        Raises InputError for a rate that is not positive, or makes too few steps.
+        """
         write_csv(Path(path), self.robot, self.trajectory, rate)
 
     def plot(self) -> "Figure":

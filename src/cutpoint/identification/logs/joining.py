@@ -23,7 +23,8 @@ def joined(recordings: Sequence[Recording]) -> Recording:
 
     Encoders must have kept their zeros and their clocks' delays: nothing is shifted.
 
-    Raises InputError: no recording, different periods, a joint of the first that others lack, no common channel.
+    Raises:
+        InputError: no recording, different periods, a joint of the first that others lack, no common channel.
     """
     check_kind("joined", "recordings", recordings, Sequence, "Recordings in a list")
     for recording in recordings:

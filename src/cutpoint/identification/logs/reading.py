@@ -29,8 +29,9 @@ READERS: dict[str, Callable[[Path], Table]] = {
 def read_table(path: str | Path) -> Table:
     """The channels of a log: .csv (.tsv, .txt), .npz, .mat, .parquet, a ROS 2 bag (.db3, .mcap, folder), or our own.
 
-    Raises InputError: no such file, an unsupported suffix, or a file that is not what its suffix says.
-    CutpointError: a format whose library is missing; pip install 'cutpoint[logs]'.
+    Raises:
+        InputError: no such file, an unsupported suffix, or a file that is not what its suffix says.
+        CutpointError: a format whose library is missing; pip install 'cutpoint[logs]'.
     """
     path = path_of("read_table", path, "a log")
     if _is_folder(path):

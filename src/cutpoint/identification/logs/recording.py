@@ -101,7 +101,10 @@ class Recording:
         return self.with_channels(lambda values: values[kept], time=self.time[kept])
 
     def resampled(self, period: float) -> "Recording":
-        """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`."""
+        """On a uniform time, from the first sample on; NaN in gaps.  See `resampling.on_grid`.
+
+        Raises InputError for a period that is not positive, or gives fewer than two samples or too many.
+        """
         period = number("resampled", "period", period, "s")
         grid, steps = uniform_times(self.time, period), np.diff(self.time)
         note = f"resampled to a period of {period:g} s"

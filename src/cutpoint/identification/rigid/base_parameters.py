@@ -69,7 +69,10 @@ class BaseParameters:
         return self.matrix @ _parameters_of(self.robot, self.rotors)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """(..., nv, b): joint torques of a motion are regressor @ base parameters."""
+        """(..., nv, b): joint torques of a motion are regressor @ base parameters.
+
+        Raises InputError as `Robot.regressor` does.
+        """
         return _regressor(self.robot, q, v, a, self.rotors)[..., self.independent]
 
     def _name(self, row: Array, own: int) -> str:

@@ -104,7 +104,10 @@ def identify_rigid(
     Intervals include the uncertainty of fitted friction shapes and of known rotors.
 
     A commanded torque that is held over a control period acts half a period later: align it first.
-    Raises InputError: arguments that do not match each other or the recording.  CutpointError: a missing solver.
+
+    Raises:
+        InputError: arguments that do not match each other or the recording.
+        CutpointError: a missing solver.
     """
     check_robot("identify_rigid", robot)
     check_recording("identify_rigid", recording)

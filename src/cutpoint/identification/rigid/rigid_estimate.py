@@ -87,6 +87,7 @@ class RigidEstimate:
         """(N, n): predicted motor torques, N m at the joint, for a recording's motion; NaN where it is unknown.
 
         cutoff: of the positions, Hz, as in `identify_rigid`.
+        Raises InputError for joints that were not recorded, no positions, or uneven times.
         """
         return self.model.torque(self.robot, motion_of(self.robot, recording, cutoff))
 
