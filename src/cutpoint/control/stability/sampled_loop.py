@@ -264,7 +264,7 @@ def on_bare_drives(law: Any) -> Any:
     return replace(law, **changed) if changed else law
 
 
-def _slopes(function: str, robot: Robot, law: Any, model: Any, period: float) -> _Slopes:
+def _slopes(function: str, robot: Robot, law: Any, model: "LinearModel", period: float) -> _Slopes:
     """Slopes of a law's torque and memory with respect to measured q, v, theta and theta_dot (4 n,)."""
     at = LawAtRest(robot, law, model.point, period)
     rest = np.zeros((4, len(robot.drives)))

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cutpoint.analysis.certificate import Certificate
+    from cutpoint.robot import Robot
     from cutpoint.simulation.plant import State
 
 Array = NDArray[np.float64]
@@ -29,7 +30,7 @@ class Run(NamedTuple):
     """What was simulated: robot, controller, the links' reference with four derivatives, (5, N, n), and the state at
     the last sample, if all of it was recorded."""
 
-    robot: Any
+    robot: "Robot"
     controller: Any
     reference: Array
     end: "State | None" = None
