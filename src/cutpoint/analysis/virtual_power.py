@@ -11,8 +11,8 @@ from cutpoint.mechanics.bodies.rigid_body import kinetic_energy
 from cutpoint.mechanics.bodies.spatial import Wrench
 from cutpoint.mechanics.drives.harmonic_drive import DriveState, deflection, friction_torque, required_friction
 from cutpoint.mechanics.elastic_forward import elastic_forward_dynamics
-from cutpoint.mechanics.inverse_dynamics import BodyMotion, transmitted_wrenches, joint_efforts, motions, net_wrenches
-from cutpoint.mechanics.required_dynamics import velocity_feedback, required_motions, required_wrenches
+from cutpoint.mechanics.inverse_dynamics import BodyMotion, joint_efforts, motions, net_wrenches, transmitted_wrenches
+from cutpoint.mechanics.required_dynamics import required_motions, required_wrenches, velocity_feedback
 from cutpoint.mechanics.system import Segment
 from cutpoint.model.drive import Drive
 from cutpoint.scalars import Scalar
