@@ -19,7 +19,7 @@ LAYERS = """
     rolled
     functions
     robot
-    robot_arguments
+    joint_units robot_arguments
     control derivatives loading robots
     simulation
     analysis identification

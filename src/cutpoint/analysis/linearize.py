@@ -8,6 +8,7 @@ from cutpoint.analysis.plant import Plant, plant_of
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
+from cutpoint.joint_units import at_joints
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot, checked_pose
 
@@ -57,7 +58,7 @@ def linearize(
         inputs=tuple(f"motor_torque.{name}" for name in robot.joints),
         outputs=outputs,
         joints=robot.joints,
-        units=_units(robot),
+        units=tuple(at_joints(robot, "rad").values()),
         point=point,
         friction=friction,
     )
@@ -132,8 +133,3 @@ def _coordinate_names(robot: Robot) -> list[str]:
         if not own.follower:
             names[own.v] = [body.joint.name] if count == 1 else [f"{body.joint.name}[{k}]" for k in range(count)]
     return names
-
-
-def _units(robot: Robot) -> tuple[str, ...]:
-    sliding = robot.mechanism.sliding
-    return tuple("m" if name in sliding else "rad" for name in robot.joints)

@@ -15,6 +15,7 @@ import cutpoint
 from cutpoint.door import positive
 from cutpoint.errors import INTERRUPTED, InputError, counted
 from cutpoint.files import check_target_file, save_figure
+from cutpoint.joint_units import are_prismatic
 from cutpoint.model.validation import DEGREES_BEYOND
 
 if TYPE_CHECKING:
@@ -101,8 +102,7 @@ def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> 
     numbers = _listed(option, text, len(robot.joints))
     if not degrees:
         return numbers
-    sliding = robot.mechanism.sliding
-    return np.where([name in sliding for name in robot.joints], numbers, np.radians(numbers))
+    return np.where(are_prismatic(robot), numbers, np.radians(numbers))
 
 
 def positions_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:

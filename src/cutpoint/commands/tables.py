@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from cutpoint.joint_units import are_prismatic, at_joints
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Joint, Mimic
+from cutpoint.model.units import joint_unit
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
 
@@ -83,7 +85,9 @@ def _in_words(joint: Joint, speed: float, effort: float) -> tuple[str, str, str]
 def drive_table(robot: Robot) -> Table:
     """Each joint's drive, at the joint's side, without columns in which no drive has anything."""
     names = ("joint", "ratio", "rotor", "compliance", "link friction", "motor friction", "also")
-    rows = [_drive_row(*drive, slides) for drive, slides in zip(robot.drives.items(), _slides(robot), strict=True)]
+    rows = [
+        _drive_row(*drive, slides) for drive, slides in zip(robot.drives.items(), are_prismatic(robot), strict=True)
+    ]
     told = [k for k, cells in enumerate(zip(*rows, strict=True)) if any(cell != "-" for cell in cells)]
     table = _table("drives, at the joint's side", *(names[k] for k in told))
     for row in rows:
@@ -92,14 +96,14 @@ def drive_table(robot: Robot) -> Table:
 
 
 def _drive_row(name: str, drive: Drive, slides: bool) -> tuple[str, ...]:
-    rotor = f"{drive.reflected_inertia:.4g} {'kg' if slides else 'kg m2'}" if drive.rotor else "-"
+    rotor = f"{drive.reflected_inertia:.4g} {joint_unit('kg m2', slides)}" if drive.rotor else "-"
     laws = (_law(drive.compliance) or "rigid", _law(drive.link_friction) or "-", _law(drive.motor_friction) or "-")
     return name, f"{drive.ratio:g}", rotor, *laws, "\n".join(_also(drive, slides) + _limits(drive, slides)) or "-"
 
 
 def _limits(drive: Drive, slides: bool) -> list[str]:
     """Limits that the drive states in addition to the robot file's."""
-    limits, (torque, length) = drive.limits, ("N", "m") if slides else ("N m", "rad")
+    limits, torque, length = drive.limits, joint_unit("N m", slides), joint_unit("rad", slides)
     parts = [f"limit {limits.effort:.4g} {torque}"] if limits.effort < np.inf else []
     parts += [f"limit {limits.velocity:.4g} {length}/s"] if limits.velocity < np.inf else []
     positions = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
@@ -108,7 +112,7 @@ def _limits(drive: Drive, slides: bool) -> list[str]:
 
 def _also(drive: Drive, slides: bool) -> list[str]:
     """Further properties of a drive."""
-    parts, (torque, length) = list[str](), ("N", "m") if slides else ("N m", "rad")
+    parts, torque, length = list[str](), joint_unit("N m", slides), joint_unit("rad", slides)
     if drive.damping:
         parts.append(f"damping {drive.damping:.4g} {torque} s/{length}")
     if isinstance(drive.hysteresis, MaxwellSlip):
@@ -130,7 +134,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
     table = _table(title, *names)
     torques = _without_rounding(np.array([robot.gravity_forces(q), u.joint_torque, u.motor_torque]))
     leads = _without_rounding(u.theta - q)
-    rows = zip(robot.joints, _slides(robot), q, *torques, leads, strict=True)
+    rows = zip(robot.joints, are_prismatic(robot), q, *torques, leads, strict=True)
     for name, slides, position, gravity, on_link, at_motor, lead in rows:
         table.add_row(
             name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.6g}", f"{at_motor:.6g}",
@@ -148,9 +152,9 @@ def motion_table(robot: Robot, log: "Log") -> Table:
     table = _table("torques along the motion, at the joint's side", "joint", "RMS joint torque", "peak joint torque",
                    "RMS motor torque", "peak motor torque", "peak speed")  # fmt: skip
     torques = [take(name) for name in ("joint_torque", "motor_torque") for take in (log.rms, log.max)]
-    for name, slides, speed, *found in zip(robot.joints, _slides(robot), log.max("v"), *torques, strict=True):
-        unit, rate = ("N", "m/s") if slides else ("N m", "rad/s")
-        table.add_row(name, *(f"{x:.4g} {unit}" for x in found), f"{speed:.4g} {rate}")
+    units, rates = at_joints(robot, "N m"), at_joints(robot, "rad/s")
+    for name, speed, *found in zip(robot.joints, log.max("v"), *torques, strict=True):
+        table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{speed:.4g} {rates[name]}")
     table.caption = "the motor's torque includes friction, rotor and kinematic error"
     return table
 
@@ -165,14 +169,14 @@ def error_table(robot: Robot, log: "Log") -> Table:
     table = _table("tracking", "joint", "RMS error", "peak error", "RMS feedback torque", "peak motor torque")
     rms, peak = log.rms("position_error"), log.max("position_error")
     feedback, torque = log.rms("feedback_torque"), log.max("motor_torque")
-    for k, (name, slides) in enumerate(zip(robot.joints, _slides(robot), strict=True)):
-        unit = "N" if slides else "N m"
+    units = at_joints(robot, "N m")
+    for k, (name, slides) in enumerate(zip(robot.joints, are_prismatic(robot), strict=True)):
         table.add_row(
             name,
             _position(rms[k], slides),
             _position(peak[k], slides),
-            f"{feedback[k]:.4g} {unit}",
-            f"{torque[k]:.4g} {unit}",
+            f"{feedback[k]:.4g} {units[name]}",
+            f"{torque[k]:.4g} {units[name]}",
         )
     return table
 
@@ -189,7 +193,7 @@ def beyond_limits(robot: Robot, low: Array, high: Array, peaks: Array) -> Iterat
 def _beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
     """A sentence for each joint that moves, from `low` to `high` (n,), farther than files allow."""
     limits = robot.limits.values()
-    for name, slides, own, least, most in zip(robot.joints, _slides(robot), limits, low, high, strict=True):
+    for name, slides, own, least, most in zip(robot.joints, are_prismatic(robot), limits, low, high, strict=True):
         if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
             factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
             there = _position(most if most > own.upper + ROUNDING else least, slides)
@@ -198,7 +202,7 @@ def _beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
 
 def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
     """A sentence for each joint that moves faster than files allow; peaks: (n,) rad/s (m/s), not negative."""
-    for name, slides, own, peak in zip(robot.joints, _slides(robot), robot.limits.values(), peaks, strict=True):
+    for name, slides, own, peak in zip(robot.joints, are_prismatic(robot), robot.limits.values(), peaks, strict=True):
         if peak > own.velocity + ROUNDING:
             told = f"{_position(peak, slides)}/s, above its limit of {_position(own.velocity, slides)}/s"
             yield f"{name} moves at up to {told}"
@@ -207,20 +211,20 @@ def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for each limit that a run met."""
     yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
-    most = efforts_of(robot)
+    most, units = efforts_of(robot), at_joints(robot, "N m")
     for name, share in log.meta.get("over_limit", {}).items():
-        unit = "N" if name in robot.mechanism.sliding else "N m"
-        limit = f"its limit of {most[name]:.4g} {unit}" if np.isfinite(most[name]) else "its voltage allows"
+        limit = f"its limit of {most[name]:.4g} {units[name]}" if np.isfinite(most[name]) else "its voltage allows"
         yield f"{name} is asked for more than {limit} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 
 def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
     """A sentence for each gear loaded beyond its highest rating; peaks: (n,) N m."""
-    for (name, drive), peak, slides in zip(robot.drives.items(), peaks, _slides(robot), strict=True):
+    units = at_joints(robot, "N m")
+    for (name, drive), peak in zip(robot.drives.items(), peaks, strict=True):
         allowed = drive.ratings.momentary_peak_torque if drive.ratings else None
         if allowed is not None and peak > allowed:
-            told = f"{peak:.4g} {'N' if slides else 'N m'}, above its gear's momentary peak of {allowed:.4g}"
+            told = f"{peak:.4g} {units[name]}, above its gear's momentary peak of {allowed:.4g}"
             yield f"{name} transmits up to {told}: nothing limits it; see `cutpoint check`"
 
 
@@ -242,11 +246,6 @@ def _table(title: str, *columns: str) -> Table:
     for k, column in enumerate(columns):
         table.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
     return table
-
-
-def _slides(robot: Robot) -> list[bool]:
-    sliding = robot.mechanism.sliding
-    return [name in sliding for name in robot.joints]
 
 
 def _position(x: float, slides: bool) -> str:

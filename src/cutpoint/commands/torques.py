@@ -26,8 +26,8 @@ from cutpoint.commands.shared import (
 from cutpoint.commands.sheets import save_sheet, torque_sheet
 from cutpoint.commands.tables import beyond_limits, motion_table, torque_table
 from cutpoint.errors import InputError
+from cutpoint.joint_units import at_joints
 from cutpoint.model.limits import check_configuration
-from cutpoint.model.units import SLIDING
 from cutpoint.reporting.fitting import print_table
 
 CHANNELS = {
@@ -109,6 +109,5 @@ def torques_along(
     motion = trajectory.derivatives(times, 4)
     u = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True)
     found = (*motion[:3], u.joint_torque, u.motor_torque, u.theta, u.theta_dot)
-    slides = [joint in robot.mechanism.sliding for joint in robot.joints]
-    units = {name: tuple(SLIDING[unit] if each else unit for each in slides) for name, unit in CHANNELS.items()}
+    units = {name: tuple(at_joints(robot, unit).values()) for name, unit in CHANNELS.items()}
     return cutpoint.Log(times, dict(zip(CHANNELS, found, strict=True)), units, robot.joints)

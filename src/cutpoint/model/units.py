@@ -14,3 +14,8 @@ SLIDING = {
     "µrad": "µm",
 }
 """What stands, of a joint that slides, for a unit of one that turns."""
+
+
+def joint_unit(unit: str, slides: bool) -> str:
+    """For one of these units of a joint that turns, that of a joint which may slide."""
+    return SLIDING[unit] if slides else unit

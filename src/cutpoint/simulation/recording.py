@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.mechanics.drives.strains import count, dealt, taken
@@ -126,9 +127,7 @@ def _disturbance(loop: ClosedLoop, rows: Array) -> dict[str, Array]:
 
 def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     """Units of every channel, one per joint if some slide and some turn."""
-    sliding = loop.robot.mechanism.sliding
-    slides = [name in sliding for name in loop.robot.drives]
-    angle, speed, torque = (_one_or_each(slides, *pair) for pair in (("rad", "m"), ("rad/s", "m/s"), ("N m", "N")))
+    angle, speed, torque = (_one_or_each(at_joints(loop.robot, unit), unit) for unit in ("rad", "rad/s", "N m"))
     units: dict[str, str | tuple[str, ...]] = dict.fromkeys(loop.channels, torque)
     units["feedback_torque"] = units["hysteresis_torque"] = units["disturbance_torque"] = torque
     units["fault"] = ""
@@ -140,7 +139,7 @@ def _units(loop: ClosedLoop) -> dict[str, str | tuple[str, ...]]:
     return units
 
 
-def _one_or_each(slides: list[bool], turning: str, sliding: str) -> str | tuple[str, ...]:
-    if not any(slides):
-        return turning
-    return sliding if all(slides) else tuple(sliding if s else turning for s in slides)
+def _one_or_each(units: dict[str, str], turning: str) -> str | tuple[str, ...]:
+    """turning: the unit if there are no joints."""
+    different = {*units.values()} or {turning}
+    return different.pop() if len(different) == 1 else tuple(units.values())

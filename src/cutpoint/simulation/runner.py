@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cutpoint.callers import warn
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
+from cutpoint.joint_units import at_joints
 from cutpoint.kernels import Program
 from cutpoint.reporting.bar import Bar
 from cutpoint.simulation.loop.loop import INTEGRATION, ClosedLoop
@@ -211,10 +212,10 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     """Name and unit of each number of the state."""
     robot = loop.robot
     lags = [name for name, drive in robot.drives.items() if drive.has_current_lag]
-    sliding = robot.mechanism.sliding
-    inner = [(f"motor torque of {name!r}", "N" if name in sliding else "N m") for name in lags]
+    angles, torques = at_joints(robot, "rad"), at_joints(robot, "N m")
+    inner = [(f"motor torque of {name!r}", torques[name]) for name in lags]
     for name, what in (whole.rsplit(": ", 1) for whole in robot.strain_names):
-        inner.append((f"strain of {what} of {name!r}", "m" if name in sliding else "rad"))
+        inner.append((f"strain of {what} of {name!r}", angles[name]))
     q, v = [("", "")] * robot.nq, [("", "")] * robot.nv
     for body, segment in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
         for whole, own, what in ((q, segment.q, "coordinate"), (v, segment.v, "speed")):
@@ -222,7 +223,7 @@ def _slots(loop: ClosedLoop) -> list[tuple[str, str]]:
     theta: list[tuple[str, str]] = []
     theta_dot: list[tuple[str, str]] = []
     for name, driven in zip(robot.drives, robot.machine.drives, strict=True):
-        unit = "m" if name in sliding else "rad"
+        unit = angles[name]
         q[driven.q], v[driven.v] = (f"position of {name!r}", unit), (f"speed of {name!r}", f"{unit}/s")
         theta.append((f"motor position of {name!r}", unit))
         theta_dot.append((f"motor speed of {name!r}", f"{unit}/s"))

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.laws.adaptation import power_matrix
+from cutpoint.joint_units import are_prismatic
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes, pseudo_inertia
 from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.mechanics.drives.presliding import sliding_of
@@ -80,8 +81,8 @@ def _most(robot: Robot, q: Array, inertia: Array, omega: float) -> float:
 
 def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
     """The fastest motion that drives and robot allow."""
-    sliding, frequency = robot.mechanism.sliding, omega / (2.0 * np.pi * PERIODS)
-    size = np.where([name in sliding for name in robot.drives], STROKE, SWING)
+    frequency = omega / (2.0 * np.pi * PERIODS)
+    size = np.where(are_prismatic(robot), STROKE, SWING)
     fastest = np.array([limits.velocity for limits in robot.limits.values()])
     strongest = robot.effort_limits / inertia
     speed, acceleration = 2.0 * size * frequency, 2.0 * np.pi * size * frequency**2

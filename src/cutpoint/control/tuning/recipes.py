@@ -19,6 +19,7 @@ from cutpoint.control.laws.super_twisting import SuperTwisting
 from cutpoint.control.laws.vdc import VDC
 from cutpoint.control.tuning.design import Design
 from cutpoint.control.tuning.learning_rates import STROKE, SWING, body_rate, joint_rate
+from cutpoint.joint_units import are_prismatic
 from cutpoint.model.drive import Drive
 
 Array = NDArray[np.float64]
@@ -101,8 +102,7 @@ RECIPES: dict[Any, Callable[..., Any]] = {
 
 def _missed(w: Design) -> Array:
     """Assumed model error, N m: a tenth of the gravity torque of joints of a kind, and half of the friction."""
-    sliding = w.robot.mechanism.sliding
-    slides = np.array([name in sliding for name in w.robot.drives], bool)
+    slides = np.array(are_prismatic(w.robot), bool)
     weight: Array = np.zeros(len(w.inertia))
     for kind in (slides, ~slides):
         weight[kind] = np.abs(w.weight[kind]).max(initial=0.0) * w.inertia[kind] / w.inertia[kind].max(initial=1e-12)

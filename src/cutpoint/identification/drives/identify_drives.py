@@ -15,9 +15,9 @@ from cutpoint.identification.drives.joint_torques import beyond_coulomb, link_to
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
 from cutpoint.identification.drives.rotor import late
 from cutpoint.identification.drives.two_encoders import smallest_step
-from cutpoint.identification.joint_units import words_at
 from cutpoint.identification.logs.recording import Array, Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
+from cutpoint.joint_units import words_at
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot

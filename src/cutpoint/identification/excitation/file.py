@@ -11,7 +11,7 @@ from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable, replacing
 from cutpoint.identification.excitation.series import FourierSeries
-from cutpoint.identification.joint_units import at_joints
+from cutpoint.joint_units import at_joints
 from cutpoint.robot import Robot
 from cutpoint.trajectories import Trajectory
 

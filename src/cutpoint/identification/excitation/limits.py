@@ -12,7 +12,7 @@ from cutpoint import definitions
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.kernels import pullback
-from cutpoint.identification.joint_units import at_joints
+from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.mechanics.kinematics import frame_pose
 from cutpoint.robot import Robot

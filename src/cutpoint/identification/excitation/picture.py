@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cutpoint.identification.excitation.limits import Use
 from cutpoint.identification.excitation.series import FourierSeries
-from cutpoint.identification.joint_units import at_joints
+from cutpoint.joint_units import at_joints
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -29,13 +29,13 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
     rows = len(robot.joints)
     figure = Figure(figsize=(0.6 + 3 * AXIS_WIDTH, 0.6 + AXIS_HEIGHT * rows), layout="constrained")
     axes = figure.subplots(rows, 3, sharex=True, squeeze=False)
+    forces = at_joints(robot, "N m")
     for k, (name, unit) in enumerate(at_joints(robot, "rad").items()):
         shown, factor = ("deg", 180.0 / np.pi) if unit == "rad" else ("m", 1.0)
-        force = "N m" if unit == "rad" else "N"
         _draw(axes[k, 0], time, factor * motion[0][:, k], factor, stated.get(("position", name)))
         _draw(axes[k, 1], time, factor * motion[1][:, k], factor, stated.get(("speed", name)))
         _draw(axes[k, 2], time, torque[:, k], 1.0, stated.get(("torque", name)))
-        titles = (f"position [{shown}]", f"speed [{shown}/s]", f"motor torque [{force}]")
+        titles = (f"position [{shown}]", f"speed [{shown}/s]", f"motor torque [{forces[name]}]")
         for axis, title in zip(axes[k], titles, strict=True):
             axis.set_title(f"{name}: {title}", loc="left", fontsize="medium", parse_math=False)
     for axis in axes[-1]:

@@ -13,11 +13,11 @@ from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates
 from cutpoint.identification.drives.one_drive import DriveEstimate
-from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.pictures import ROW, thinned, titled
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.rigid_robot import link_torques
+from cutpoint.joint_units import at_joints
 from cutpoint.reporting.style import MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
 

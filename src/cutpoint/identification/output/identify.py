@@ -16,7 +16,6 @@ from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
-from cutpoint.identification.joint_units import at_joints, words_at
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
@@ -33,6 +32,7 @@ from cutpoint.identification.output.torque_errors import TorqueErrors, torque_er
 from cutpoint.identification.rigid.arguments import check_method
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
 from cutpoint.identification.rigid.physical import Solver, check_solver
+from cutpoint.joint_units import at_joints, words_at
 from cutpoint.loading import load
 from cutpoint.robot import Robot
 

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.joint_units import at_joints, either
 from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 from cutpoint.robot import Robot
 

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from cutpoint.errors import counted
-from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.drive_pictures import bendings, loop_picture, wave_picture
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.pictures import residual_picture, torque_picture
+from cutpoint.joint_units import at_joints, either
 from cutpoint.reporting.folder import versions
 from cutpoint.reporting.html import Heading, html
 from cutpoint.reporting.page import Block, Page, Picture, Table

@@ -11,10 +11,10 @@ from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES
 from cutpoint.formats.urdf.writing import updated_urdf
 from cutpoint.formats.urdf.xacro_expansion import expand
-from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
+from cutpoint.joint_units import at_joints
 from cutpoint.reporting.numbers import json_bytes
 from cutpoint.robot import Robot
 from cutpoint.version import __version__

@@ -3,9 +3,9 @@
 from rich.table import Table
 from rich.text import Text
 
-from cutpoint.identification.joint_units import at_joints, either
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.report import error_rows
+from cutpoint.joint_units import at_joints, either
 
 COLUMNS = ("joint", "torque", "files", "identified", "held out", "plain", "held out over plain", "friction")
 

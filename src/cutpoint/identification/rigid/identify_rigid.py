@@ -12,7 +12,6 @@ from cutpoint.door import check_kind, checked_name
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, check_friction, motion_of, sliding_speeds, torques_of
-from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.rigid.arguments import (
@@ -40,6 +39,7 @@ from cutpoint.identification.rigid.rigid_robot import (
     transmitted,
 )
 from cutpoint.identification.rigid.uncertainty import are_told
+from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot

@@ -16,7 +16,6 @@ from cutpoint.identification.conditioning.motion import (
     sliding_speeds,
     still_joints,
 )
-from cutpoint.identification.joint_units import at_joints
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
@@ -35,6 +34,7 @@ from cutpoint.identification.rigid.uncertainty import (
     strained,
     untold,
 )
+from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.drives.friction import Sliding, Stribeck
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot

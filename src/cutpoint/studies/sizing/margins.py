@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.model import Drive, Limits, Motor, Ratings
+from cutpoint.model.units import joint_unit
 from cutpoint.studies.sizing.demand import Demand, Peak
 
 Array = NDArray[np.float64]
@@ -47,7 +48,7 @@ def margins_of(
     limits: of drive and joint together, at the joint's side.  travel: see `travel_of`.
     """
     ratings = drive.ratings or Ratings()
-    torque = "N" if slides else "N m"
+    torque = joint_unit("N m", slides)
     rated = [
         ("average torque", torque, ratings.average_torque, demand.average_torque),
         ("repeated peak torque", torque, ratings.repeated_peak_torque, demand.output_torque),
@@ -85,13 +86,13 @@ def _of_limits(
 ) -> Iterator[Margin]:
     if np.isfinite(limits.effort):
         at = demand.motor_torque
-        yield Margin("motor torque", "N" if slides else "N m", limits.effort, abs(at.value) * ratio, at)
+        yield Margin("motor torque", joint_unit("N m", slides), limits.effort, abs(at.value) * ratio, at)
     if np.isfinite(limits.velocity):
-        yield _margin("joint speed", "m/s" if slides else "rad/s", limits.velocity, demand.joint_speed)
+        yield _margin("joint speed", joint_unit("rad/s", slides), limits.velocity, demand.joint_speed)
     middle, half = travel
     if np.isfinite(half):
         at = demand.position
-        yield Margin("joint travel", "m" if slides else "rad", half, abs(at.value - middle), at)
+        yield Margin("joint travel", joint_unit("rad", slides), half, abs(at.value - middle), at)
 
 
 def _of_motor(motor: Motor | None, demand: Demand) -> Iterator[Margin]:

@@ -3,16 +3,22 @@
 import re
 from collections.abc import Iterable
 
-from cutpoint.model.units import SLIDING
+from cutpoint.model.units import SLIDING, joint_unit
 from cutpoint.robot import Robot
 
 _TURNING = re.compile(rf"(?<![\w/])({'|'.join(map(re.escape, sorted(SLIDING, key=len, reverse=True)))})(?![\w/])")
 
 
+def are_prismatic(robot: Robot) -> list[bool]:
+    """For each drive, whether its joint slides."""
+    sliding = robot.mechanism.sliding
+    return [joint in sliding for joint in robot.joints]
+
+
 def at_joints(robot: Robot, unit: str) -> dict[str, str]:
     """For each driven joint, the unit that corresponds to one of a revolute joint."""
-    sliding = robot.mechanism.sliding
-    return {joint: SLIDING[unit] if joint in sliding else unit for joint in robot.joints}
+    slides = zip(robot.joints, are_prismatic(robot), strict=True)
+    return {joint: joint_unit(unit, prismatic) for joint, prismatic in slides}
 
 
 def words_at(robot: Robot, joint: str, words: str) -> str:
