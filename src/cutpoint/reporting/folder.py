@@ -11,6 +11,7 @@ from typing import Any
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
 from cutpoint.reporting.html import Heading, html
+from cutpoint.reporting.numbers import json_bytes
 from cutpoint.reporting.page import Page, plain
 from cutpoint.reporting.style import png
 from cutpoint.version import __version__
@@ -50,12 +51,12 @@ def write(
     """
     images = {picture.key: png(picture.figure) for page in pages for picture in page.pictures()}
     results = {"study": study, "versions": versions(), "settings": settings, **_results(pages)}
-    text = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False, default=lambda x: x.tolist())
+    text = json_bytes(results)
     folder = output / "figures"
     folder.mkdir(parents=True, exist_ok=True)
     # figures first and the report last: an existing report is complete
     files = {folder / f"{key}.png": image for key, image in images.items()}
-    files |= {output / name: text.encode(), output / "index.html": html(heading, pages, images, versions()).encode()}
+    files |= {output / name: text, output / "index.html": html(heading, pages, images, versions()).encode()}
     for path, content in files.items():
         with replacing(path) as file:
             file.write(content)

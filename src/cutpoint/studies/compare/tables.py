@@ -114,7 +114,7 @@ def _refusal(match: Match) -> str:
 
 
 def numbers(results: Results) -> dict[str, Any]:
-    """All numbers for the results file; null for divergences and unknown ones."""
+    """All numbers for the results file; not finite for divergences and unknown ones."""
     return {
         "laws": {key: _law(match, results.nanoseconds.get(key)) for key, match in results.matches.items()},
         "scenarios": {s.key: _scenario(s, results) for s in SCENARIOS if s.key in results.outcomes},
@@ -122,7 +122,7 @@ def numbers(results: Results) -> dict[str, Any]:
 
 
 def _law(match: Match, nanoseconds: float | None) -> dict[str, Any]:
-    plain = {name: _finite(getattr(match, name)) for name in ("bandwidth", "share", "stiffness", "damping")}
+    plain = {name: getattr(match, name) for name in ("bandwidth", "share", "stiffness", "damping")}
     told = {"name": match.contender.name, "needs": match.contender.needs, "refused": match.refused}
     return {**told, **plain, "runs": match.law is not None, "nanoseconds": nanoseconds}
 
@@ -131,19 +131,13 @@ def _scenario(scenario: Scenario, results: Results) -> dict[str, Any]:
     found = results.outcomes[scenario.key]
     laws = {
         key: {
-            "worst": {name: _finite(x) for name, x in outcome.worst._asdict().items()},
+            "worst": outcome.worst._asdict(),
             "diverged": outcome.diverged,
-            "runs": [{name: _finite(x) for name, x in score._asdict().items()} for score in outcome.scores],
+            "runs": [score._asdict() for score in outcome.scores],
         }
         for key, outcome in found.items()
     }
     return {"name": scenario.name, "what": scenario.what, "best": results.best(scenario.key), "laws": laws}
-
-
-def _finite(x: Any) -> Any:
-    if np.ndim(x):
-        return [_finite(each) for each in x]
-    return float(x) if np.isfinite(x) else None
 
 
 def _number(x: float, digits: int) -> str:
