@@ -11,11 +11,9 @@ from typing import Any, NamedTuple, NoReturn, Protocol
 
 import numpy as np
 
+from cutpoint.callers import is_ours
 from cutpoint.errors import InputError, TraceError
 from cutpoint.scalars import is_of_cutpoint, leaves, with_float_leaves
-
-NOT_THE_USER = ("cutpoint", "numpy")
-"""Packages whose lines are not where a user's law is at fault."""
 
 
 class Measurement(NamedTuple):
@@ -180,8 +178,8 @@ def _refuse_traced(law: Controller, error: Exception) -> NoReturn:
         told += (
             "; methods of a Robot take plain numbers only, functions of cutpoint.definitions with robot.machine these"
         )
-    places = [(frame.f_globals.get("__name__", ""), line, frame.f_code) for frame, line in walk_tb(error.__traceback__)]
-    users = [f"{code.co_filename}:{line}" for name, line, code in places if name.partition(".")[0] not in NOT_THE_USER]
+    places = walk_tb(error.__traceback__)
+    users = [f"{frame.f_code.co_filename}:{line}" for frame, line in places if not is_ours(frame)]
     raise TraceError(told, place=users[-1] if users else None) from error
 
 
