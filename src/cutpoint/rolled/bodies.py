@@ -17,6 +17,7 @@ from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose
 from cutpoint.mechanics.system import Driven, Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
+from cutpoint.rolled.packing import pose_by_columns
 from cutpoint.rolled.subsystem import OneAxis, Subsystem, mat3, vec3
 from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
@@ -153,6 +154,10 @@ class Columns:
         spin = None if is_plain_zero(geared) else Spin(0, 0, axis, 0, geared, False)
         behind = None if is_plain_zero(sprung) else Spin(0, 0, axis, J, sprung, True)
         return Subsystem(own, armature, spin, number, last, behind)
+
+    def along_the_world(self, read: Iterable[Scalar], turned: Sequence[Scalar]) -> Subsystem:
+        """The same along the world's axes.  turned: the twelve numbers of its pose, by columns."""
+        return self.subsystem(read).along_the_world(pose_by_columns(turned))
 
     def to_user_axes(self, read: Iterable[Scalar]) -> Mat3:
         """The user's axes of the body whose row holds these, along its own axes."""

@@ -52,6 +52,7 @@ def forward_dynamics(columns: Columns) -> Steps:
     acceleration, then including all that the body carries.  added: the acceleration that joints add.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+    along = columns.along_the_world
 
     def moves(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
         turned = turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
@@ -78,9 +79,6 @@ def forward_dynamics(columns: Columns) -> Steps:
         eased = A.power(wrench_of(share))  # on the critical path, so it comes last
         kept = body.placement.outward(A) + body.joint.motion(step)
         return [step[0] - eased], [*(kept + body.joint.motion([-eased]))]
-
-    def along(row: Any, turned: Any) -> Subsystem:
-        return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
     reads = ("body", "turned", "v", "tau", "resistance", "carrier", "carried", "borne")
     passes = [

@@ -22,7 +22,6 @@ from cutpoint.rolled.packing import (
     pose_of,
 )
 from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
-from cutpoint.rolled.subsystem import Subsystem
 from cutpoint.scalars import Scalar, minimum
 
 UNLIMITED = 1e300
@@ -41,6 +40,7 @@ def elimination(columns: Columns) -> tuple[Steps, Kept]:
     base.step: accelerations per unit of its torques, and its axes along the world's.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+    along = columns.along_the_world
 
     def turns(row: Any, at: Any, above: Any) -> Any:
         return by_columns(turned_pose(pose_by_columns(above), pose_of(pose.all(at))))
@@ -57,9 +57,6 @@ def elimination(columns: Columns) -> tuple[Steps, Kept]:
     def inward(row: Any, turned: Any, inertia: Any, carrier: Any, least: Any) -> Any:
         numbers, D, left = eliminates(row, turned, inertia, carrier)
         return step.some(numbers), left, [minimum(least[0], D)]
-
-    def along(row: Any, turned: Any) -> Subsystem:
-        return columns.subsystem(row).along_the_world(pose_by_columns(turned))
 
     sizes = {"row": columns.width, "turned": 12, "inertia": INERTIA, "carrier": INERTIA}
     step, reads = Kept(lambda **x: eliminates(**x)[0], **sizes), ("body", "turned", "inertia", "resisted")
