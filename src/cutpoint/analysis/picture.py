@@ -10,13 +10,10 @@ from numpy.typing import NDArray
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
 from cutpoint.analysis.modes import Modes
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import INK, LINK, MOTOR, STYLE, styled
+from cutpoint.reporting.style import ACROSS, INK, LINK, MOTOR, STYLE, styled_figure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
-ACROSS = 3
-"""Joints side by side at most."""
 
 PANEL = (4.4, 3.9)
 """Inches of a joint's magnitude and phase together."""
@@ -38,10 +35,7 @@ def picture(modes: Modes) -> Figure:
     """Magnitude and phase over frequency, one panel per joint.  Raises InputError if there are no drive modes."""
     if not modes.frequencies.size:
         raise InputError(f"no picture of modes: {modes.remark}")
-    with styled():
-        figure = _drawn(modes)
-        figure.draw_without_rendering()  # what is laid out later takes the style of that moment
-        return figure
+    return styled_figure(lambda: _drawn(modes))
 
 
 def _drawn(modes: Modes) -> Figure:

@@ -1,5 +1,6 @@
 """Common style of all figures of a report: type, colours, sizes."""
 
+from collections.abc import Callable
 from io import BytesIO
 from typing import Any
 
@@ -19,6 +20,9 @@ JOINTS = ("#1f5fa8", "#c2571a", "#2a7f4f", "#8a4fa3", "#b8860b", "#4a4f57")
 
 WIDTH = 9.0
 """Width of a full figure in inches; text of 11 points then has the size of the page's text."""
+
+ACROSS = 3
+"""Most panels side by side."""
 
 STYLE: Any = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
@@ -51,6 +55,14 @@ STYLE: Any = {
 def styled() -> Any:
     """A context for making and saving figures in this style; matplotlib's settings are restored afterwards."""
     return rc_context(STYLE)
+
+
+def styled_figure(draw: Callable[[], Figure]) -> Figure:
+    """A figure in this style, laid out at once: what is laid out later takes the style of that moment."""
+    with styled():
+        figure = draw()
+        figure.draw_without_rendering()
+        return figure
 
 
 def png(figure: Figure) -> bytes:

@@ -13,14 +13,11 @@ from matplotlib.lines import Line2D
 
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import FAINT, JOINTS, STYLE, styled
+from cutpoint.reporting.style import ACROSS, FAINT, JOINTS, STYLE, styled_figure
 from cutpoint.simulation.log.log import Array, Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 """Inches."""
-
-ACROSS = 3
-"""Axes side by side."""
 
 LEAST_HEIGHT = 1e-9
 """Of an axis, in its unit: what is smaller is rounding, which would fill it."""
@@ -71,10 +68,7 @@ def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
         raise InputError("the log has no channels to plot, or only NaN in them")
     words = _words(logs, names, axes)
     across, cells = _cells(axes, apart=bool(names))
-    with styled():
-        figure = _drawn(axes, words, across, cells, dashed=bool(names))
-        figure.draw_without_rendering()  # what is laid out later takes the style of that moment
-        return figure
+    return styled_figure(lambda: _drawn(axes, words, across, cells, dashed=bool(names)))
 
 
 def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[int], dashed: bool) -> Figure:

@@ -12,14 +12,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.drives.motor import within_limits
-from cutpoint.reporting.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
+from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
 from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
 from cutpoint.studies.sizing.load import Load
 
 Array = NDArray[np.float64]
-
-ACROSS = 3
-"""Most drives side by side."""
 
 PANEL = (3.6, 3.1)
 """Inches of one panel."""
