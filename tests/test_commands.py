@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 import cutpoint
 from cutpoint import InputError, Log, ModelError, control, robots
 from cutpoint.commands import app, laws, shared
+from cutpoint.control.laws.feedforward import RUNGS
 from cutpoint.control.tuning import recipes
 from cutpoint.export import export_controller, export_function
 from cutpoint.reporting.fitting import print_table
@@ -223,6 +224,10 @@ def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: 
 
 def test_every_law_that_can_be_tuned_has_its_name_at_the_command_line() -> None:
     assert get_args(laws.Name) == tuple(law.__name__ for law in recipes.RECIPES)
+
+
+def test_every_rung_of_the_feedforward_can_be_named_at_the_command_line() -> None:
+    assert get_args(shared.RungOption) == ("none", *RUNGS)
 
 
 @pytest.mark.parametrize("name", ["VDC", "vdc"])

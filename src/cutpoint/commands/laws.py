@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import Rung, above_zero
+from cutpoint.commands.shared import RungOption, above_zero
 from cutpoint.errors import InputError, unknown_name
 
 Name = Literal[
@@ -44,7 +44,7 @@ Bandwidth = Annotated[
     float, typer.Option("--bandwidth", callback=above_zero, help="Bandwidth of the law, Hz, which sets its gains.")
 ]
 Feed = Annotated[
-    Rung | None,
+    RungOption | None,
     typer.Option("--feedforward", help="How much of the model to feed forward with PD or PID; default elastic."),
 ]
 Guarded = Annotated[
@@ -60,7 +60,13 @@ WITHOUT_MODEL = ("PD", "PID")
 
 
 def law_of(
-    robot: cutpoint.Robot, law: Name, bandwidth: float, feedforward: Rung | None, period: float, *, guard: bool = False
+    robot: cutpoint.Robot,
+    law: Name,
+    bandwidth: float,
+    feedforward: RungOption | None,
+    period: float,
+    *,
+    guard: bool = False,
 ) -> Any:
     """The law with its gains, with feedforward added if it has none, in a guard if asked.  Raises InputError."""
     from cutpoint import control

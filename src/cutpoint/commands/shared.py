@@ -85,7 +85,7 @@ Smoothing = Annotated[
 Json = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Save the numbers by joint or mode, in SI units: .json.")
 ]
-Rung = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
+RungOption = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 
 
 OF_A_RUN = ("q", "position_error", "motor_torque")
