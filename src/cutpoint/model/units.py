@@ -1,4 +1,9 @@
-"""Units at the side of a prismatic joint."""
+"""Units at the side of a prismatic joint, and a motor's."""
+
+import math
+
+RPM = math.pi / 30.0
+"""rad/s"""
 
 SLIDING = {
     "N m": "N",

@@ -4,9 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.formats.catalogue.friction import RPM, InputFriction, times
+from cutpoint.formats.catalogue.friction import InputFriction, times
 from cutpoint.formats.catalogue.sheets import CatalogueGear
+from cutpoint.formats.drives.words import stated
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.model.units import RPM
 
 ARC_MINUTE = np.pi / 180 / 60
 """rad"""
@@ -26,7 +28,7 @@ def drive_entry(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any]:
         "limits": _limits(gear),
         "ratings": _ratings(gear),
     }
-    return _rounded(_stated(fields))
+    return _rounded(stated(fields))
 
 
 def _rotor(gear: CatalogueGear) -> dict[str, float] | None:
@@ -75,7 +77,7 @@ def _friction(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any] | 
         "viscous": times(_sum(friction.slope, gear.motor and gear.motor.viscous), gear.ratio**2),
         "per_load": friction.per_load,
     }
-    return {"motor": stated} if (stated := _stated(law)) else None
+    return {"motor": known} if (known := stated(law)) else None
 
 
 def _motor(gear: CatalogueGear) -> dict[str, float] | None:
@@ -88,7 +90,7 @@ def _motor(gear: CatalogueGear) -> dict[str, float] | None:
         "current_limit": own.current_peak,
         "voltage_limit": own.voltage,
     }
-    return _stated(numbers)
+    return stated(numbers)
 
 
 def _limits(gear: CatalogueGear) -> dict[str, float] | None:
@@ -96,7 +98,7 @@ def _limits(gear: CatalogueGear) -> dict[str, float] | None:
     torque = gear.output.maximum_torque if gear.output else None
     rpm = gear.output.maximum_rpm if gear.output else gear.speeds and gear.speeds.maximum_rpm / gear.ratio
     found = {"torque": torque, "velocity": rpm and rpm * RPM}
-    return _stated(found) or None
+    return stated(found) or None
 
 
 def _ratings(gear: CatalogueGear) -> dict[str, float] | None:
@@ -111,7 +113,7 @@ def _ratings(gear: CatalogueGear) -> dict[str, float] | None:
         "maximum_speed": speeds and speeds.maximum_rpm * RPM,
         "life": gear.life and gear.life.hours,
     }
-    return _stated(found) or None
+    return stated(found) or None
 
 
 def _sum(known: float | None, more: float | None) -> float | None:
@@ -123,7 +125,3 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, dict):
         return {name: _rounded(x) for name, x in value.items()}
     return float(f"{value:.10g}") if isinstance(value, float) else value
-
-
-def _stated(fields: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in fields.items() if value is not None}

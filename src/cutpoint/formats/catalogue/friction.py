@@ -7,9 +7,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from cutpoint.formats.catalogue.sheets import CatalogueGear
-
-RPM = 2 * np.pi / 60
-"""rad/s"""
+from cutpoint.model.units import RPM
 
 
 @dataclass(frozen=True)

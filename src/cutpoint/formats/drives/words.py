@@ -40,12 +40,12 @@ def to_entry(drive: Drive) -> dict[str, Any]:
         "damping": _number(drive.damping),
         "hysteresis": _hysteresis_entry(drive.hysteresis, spring),
         "kinematic_error": _error_entry(drive.kinematic_error),
-        "friction": _stated(friction),
+        "friction": stated(friction) or None,
         "motor": drive.motor and _motor_entry(drive.motor),
-        "limits": _stated(_limits_entry(drive.limits)),
-        "ratings": drive.ratings and (_stated({name: _number(x) for name, x in vars(drive.ratings).items()}) or {}),
+        "limits": stated(_limits_entry(drive.limits)) or None,
+        "ratings": drive.ratings and stated({name: _number(x) for name, x in vars(drive.ratings).items()}),
     }
-    return {"ratio": float(drive.ratio)} | (_stated(fields) or {})
+    return {"ratio": float(drive.ratio)} | stated(fields)
 
 
 def _spring_entry(law: Compliance | None) -> dict[str, Any] | None:
@@ -98,7 +98,7 @@ def _waves_entry(waves: Sequence[Harmonic]) -> dict[str, Any] | None:
 
 def _motor_entry(motor: Motor) -> dict[str, Any]:
     numbers = {name: _number(value) for name, value in vars(motor).items() if name not in ("ripple", "cogging")}
-    return _stated(numbers | {"ripple": _waves_entry(motor.ripple), "cogging": _waves_entry(motor.cogging)}) or {}
+    return stated(numbers | {"ripple": _waves_entry(motor.ripple), "cogging": _waves_entry(motor.cogging)})
 
 
 def _rotor_entry(rotor: Rotor) -> dict[str, Any]:
@@ -123,5 +123,6 @@ def _number(value: float | None) -> float | None:
     return float(value) if value is not None and np.isfinite(value) else None
 
 
-def _stated(fields: dict[str, Any]) -> dict[str, Any] | None:
-    return {name: value for name, value in fields.items() if value is not None} or None
+def stated(fields: dict[str, Any]) -> dict[str, Any]:
+    """The fields that have a value."""
+    return {name: value for name, value in fields.items() if value is not None}

@@ -3,8 +3,10 @@
 import math
 import re
 
+from cutpoint.model.units import RPM
+
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "m": 1.0, "mm": 1e-3}
-SPEEDS = {f"{unit}/s": factor for unit, factor in ANGLES.items()} | {"rpm": math.pi / 30.0}
+SPEEDS = {f"{unit}/s": factor for unit, factor in ANGLES.items()} | {"rpm": RPM}
 SMALL = {unit: 1e-3 for unit in ("mN m", "mNm", "N mm", "Nmm")}
 TORQUES = {"N m": 1.0, "Nm": 1.0, **SMALL, "kN m": 1e3, "N": 1.0, "kN": 1e3}
 CURRENTS = {"A": 1.0, "mA": 1e-3}
