@@ -11,7 +11,7 @@ from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.elimination import Order, jacobian
 from cutpoint.kernels.graphs.graph import reach
 from cutpoint.kernels.graphs.nodes import Node, Trace
-from cutpoint.kernels.graphs.ports import Shape, flatten, named_parts, nest
+from cutpoint.kernels.graphs.ports import Shape, flatten, nest, record_fields
 from cutpoint.kernels.graphs.replay import OPERATORS
 from cutpoint.kernels.graphs.specialise import checked, name_of
 from cutpoint.kernels.graphs.tracing import Traced
@@ -107,7 +107,7 @@ def _arrays(numbers: Iterator[Any], like: Mapping[str, Flat]) -> dict[str, Any]:
 
 def _outputs(function: Callable[..., Any], inputs: Mapping[str, Any]) -> dict[str, Flat]:
     result = function(**inputs)
-    parts = named_parts(result)
+    parts = record_fields(result)
     try:
         return {name: flatten(value) for name, value in ({"result": result} if parts is None else parts).items()}
     except ValueError as error:

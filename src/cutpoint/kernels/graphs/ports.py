@@ -73,7 +73,7 @@ def with_numbers(ports: Sequence[Port]) -> list[Port]:
     return [port for port in ports if port.size]
 
 
-def named_parts(value: Any) -> dict[str, Any] | None:
+def record_fields(value: Any) -> dict[str, Any] | None:
     """The fields of a dataclass or NamedTuple instance by name; None for anything else."""
     if is_dataclass(value) and not isinstance(value, type):
         return {f.name: getattr(value, f.name) for f in fields(value)}
@@ -85,5 +85,5 @@ def _parts(value: Any) -> list[Any] | None:
         return [*value]
     if isinstance(value, (list, tuple)):
         return [*value]
-    named = named_parts(value)
+    named = record_fields(value)
     return None if named is None else [*named.values()]

@@ -8,7 +8,7 @@ from typing import Any
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Trace
-from cutpoint.kernels.graphs.ports import Port, flatten, named_parts, nest, port
+from cutpoint.kernels.graphs.ports import Port, flatten, nest, port, record_fields
 from cutpoint.kernels.graphs.refusals import as_float
 from cutpoint.kernels.graphs.tracing import Operand, Traced, tracing
 
@@ -35,7 +35,7 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
                 raise
             told = f"this cannot be computed with traced numbers ({error}); write it out with cutpoint's functions"
             raise TraceError(f"{name_of(function)}: {told}") from error
-        named = named_parts(result)
+        named = record_fields(result)
         if named is not None:
             _check_record(function, type(result).__name__, named)
         ports, numbers = [], []
