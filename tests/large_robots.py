@@ -26,7 +26,7 @@ def chain(size: int, kinds: tuple[str, ...] = ("revolute",)) -> Mechanism:
 def longest(key: Any, first: int = 1) -> int:
     """Bodies of the longest chain for which a function is code without loops.  first: axes of its first joint."""
     recipe = RECIPES[key]
-    return max(n for n in range(1, recipe.above + 1) if n * first + n * (n - 1) / 2 <= recipe.pairs)
+    return max(n for n in range(1, recipe.most_bodies + 1) if n * first + n * (n - 1) / 2 <= recipe.pairs)
 
 
 def based(kind: Any, size: int, branching: bool = True) -> Mechanism:

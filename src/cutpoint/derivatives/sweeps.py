@@ -26,10 +26,10 @@ Array = NDArray[np.float64]
 Scalars = list[Scalar]
 Function = Callable[..., Scalars]
 
-ABOVE = 24
+MOST_STRAIGHT_BODIES = 24
 """Bodies up to which straight-line code is taken: it compiles in seconds, and then runs in microseconds."""
 
-SPEEDS_ABOVE = 36
+MOST_STRAIGHT_SPEEDS = 36
 """Speeds up to which it is: of joints of several axes, 32 took 21 s to compile, 40 half a minute or more than can be
 compiled."""
 
@@ -52,7 +52,7 @@ def is_swept(robot: Robot) -> bool:
     bodies = len(robot.mechanism.bodies)
     if bodies > MOST:
         raise too_large(bodies, MOST)
-    return bodies > ABOVE or robot.nv > SPEEDS_ABOVE
+    return bodies > MOST_STRAIGHT_BODIES or robot.nv > MOST_STRAIGHT_SPEEDS
 
 
 def too_large(bodies: int, most: int) -> InputError:

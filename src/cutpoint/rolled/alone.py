@@ -18,7 +18,7 @@ from cutpoint.scalars import leaves, rebuild, structure_of
 
 Array = np.ndarray
 
-ABOVE = 256
+MOST_STRAIGHT_BODIES = 256
 """Bodies up to which straight-line code is taken: its single calls are quicker."""
 
 MOST_KINDS = 16
@@ -53,7 +53,7 @@ def joint_by_joint(
 
     sizes: of the inputs.  machine: without drives, if they do not matter.
     """
-    if key not in OUTPUTS or len(machine.system.segments) <= ABOVE:
+    if key not in OUTPUTS or len(machine.system.segments) <= MOST_STRAIGHT_BODIES:
         return None
     if OUTPUTS[key] in ("drive", "total") and not machine.drives:
         return None

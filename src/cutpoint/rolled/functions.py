@@ -77,7 +77,7 @@ def _is_large_for(key: Any, system: System, backend: str) -> bool:
         return False
     if frame is not None and 7 * system.nv > backends.MOST_NUMBERS:  # a Jacobian and q
         return True
-    return size_of(system, frame) > recipe.above or sum(system.depths) > recipe.pairs
+    return size_of(system, frame) > recipe.most_bodies or sum(system.depths) > recipe.pairs
 
 
 def _hindrance(key: Any, machine: Machine) -> str | None:

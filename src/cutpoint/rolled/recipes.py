@@ -18,7 +18,7 @@ from cutpoint.rolled.passes import Steps
 class Recipe(NamedTuple):
     """A function as loops.
 
-    inputs: those that are given; the others are zero.  above: the most bodies, of the robot or of the chain that
+    inputs: those that are given; the others are zero.  most_bodies: the most bodies, of the robot or of the chain that
     carries the frame, for which straight-line code is used.  pairs: the most pairs of a body and a speed that moves
     it, where the code grows with these.  reads_drives: whether it uses drives' numbers.  odd: features of its variants
     that loops do not support.  takes_coupled, takes_geared: whether it supports rotors with full coupling, behind
@@ -34,7 +34,7 @@ class Recipe(NamedTuple):
     steps: Callable[[Columns], Steps]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    above: int
+    most_bodies: int
     reads_drives: bool = False
     odd: str = "external wrenches"
     takes_coupled: bool = False

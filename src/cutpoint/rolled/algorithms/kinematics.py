@@ -16,7 +16,7 @@ from cutpoint.scalars import where
 FRAME = {"frame": 13}
 """Of a frame: its pose in its body's frame, and the number of that body, whose row is "tip"; of the world, infinity."""
 
-ABOVE = View("above", "turned", "parent")
+PARENT = View("above", "turned", "parent")
 
 
 def frame_pose(columns: Columns) -> Steps:
@@ -89,4 +89,4 @@ def _seen(V: Motion, X: Pose, frame: Pose) -> Motion:
 def _of_frame(base: Base | None, kept: dict[str, int], passes: list[Pass], apart: dict[str, int]) -> Steps:
     sizes, constants = sizes_apart(base, ("q",))
     world = {"turned": flat(IDENTITY)}
-    return Steps(kept, ("q",), (ABOVE,), world, passes, {**sizes, **apart}, {**constants, **FRAME})
+    return Steps(kept, ("q",), (PARENT,), world, passes, {**sizes, **apart}, {**constants, **FRAME})

@@ -10,7 +10,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Vec3, Wrench
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import ABOVE, world_poses
+from cutpoint.rolled.algorithms.kinematics import PARENT, world_poses
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
@@ -48,7 +48,7 @@ def mass_matrix(columns: Columns) -> Steps:
         *(base.couples() if base else []),
         Pass("pairs", Stage(_entry, ("held", "column", "momentum", "span"), ("matrix",))),
     ]
-    views = (ABOVE, View("borne", "carried", "parent"))
+    views = (PARENT, View("borne", "carried", "parent"))
     kept |= {"column": 6, "carried": 10, "momentum": 6, "span": 3}
     tied, apart = ({"matrix_rows": base.axes}, {"base.matrix": base.axes**2}) if base else ({}, {})
     sizes, constants = sizes_apart(base, ("q",))

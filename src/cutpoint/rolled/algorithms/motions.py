@@ -9,7 +9,7 @@ from typing import Any
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion
 from cutpoint.rolled.algorithms.base import Base
-from cutpoint.rolled.algorithms.kinematics import ABOVE
+from cutpoint.rolled.algorithms.kinematics import PARENT
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, motion_of, pose_of
 from cutpoint.rolled.passes import UPWARD, Order, Pass, Scalars
@@ -17,7 +17,7 @@ from cutpoint.rolled.passes import UPWARD, Order, Pass, Scalars
 MOVED = ("velocity", "acceleration")
 """Of the point of a body that is at the one place, and angular."""
 
-VIEWS = (ABOVE, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"))
+VIEWS = (PARENT, View("carrier", "velocity", "parent"), View("lift", "acceleration", "parent"))
 
 
 def body_motions(columns: Columns, order: Order, rates: Sequence[str]) -> list[Pass]:

@@ -7,7 +7,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import ABOVE
+from cutpoint.rolled.algorithms.kinematics import PARENT
 from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of
@@ -72,7 +72,7 @@ def _total(
         Pass("inward", Stage(added, ("share", "borne"), ("borne",))),
         Pass("once", Stage(whole, ("world.share", "gravity", *(["base.share"] if base else [])), ("total",))),
     ]
-    views = (ABOVE, View("carrier", "velocity", "parent"), View("borne", "share", "parent"))
+    views = (PARENT, View("carrier", "velocity", "parent"), View("borne", "share", "parent"))
     kept, numbers = {"pose": pose.size, "turned": 12, "velocity": 6, "share": size}, ("q", "v")
     sizes, constants = sizes_apart(base, numbers)
     apart, known = {**sizes, "total": sum(shape) or 1}, {**constants, "gravity": 3}
