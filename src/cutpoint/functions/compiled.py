@@ -236,9 +236,9 @@ class RobotKernels:
     ) -> RobotFunction:
         """Compiles, with the drives' parameters as an input if the definition reads drives or links feel a rotor."""
         sizes = {x: self.size_of(x) for x in inputs}
-        counts = reads_drives or (self._rotors_are_felt and not traits_of(name).of_places)
+        counts = reads_drives or (self._rotors_are_felt and not traits_of(name).ignores_rotors)
         parametric = bool(self.parameters.size) and counts
-        lean = traits_of(name).of_joints
+        lean = traits_of(name).lean
 
         def traced(**given: Any) -> Any:
             if parametric:
