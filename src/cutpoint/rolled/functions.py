@@ -84,7 +84,7 @@ def _hindrance(key: Any, machine: Machine) -> str | None:
     """The feature of the robot, or of a function's arguments, that loops do not support."""
     asked = without_frame(key)[0]
     if asked not in RECIPES:
-        return RECIPES[name_of(key)].odd
+        return RECIPES[name_of(key)].unsupported_inputs
     recipe = RECIPES[asked]
     return unsuited(machine, recipe.reads_drives, recipe.takes_coupled, recipe.takes_geared, recipe.takes_base)
 

@@ -20,10 +20,11 @@ class Recipe(NamedTuple):
 
     inputs: those that are given; the others are zero.  most_bodies: the most bodies, of the robot or of the chain that
     carries the frame, for which straight-line code is used.  pairs: the most pairs of a body and a speed that moves
-    it, where the code grows with these.  reads_drives: whether it uses drives' numbers.  odd: features of its variants
-    that loops do not support.  takes_coupled, takes_geared: whether it supports rotors with full coupling, behind
-    springs or geared rigidly; takes_base: also with a floating base.  is_rooted: whether it computes each tree about
-    its first joint.  reads_user_axes: whether it uses the bodies' frames as users know them.
+    it, where the code grows with these.  reads_drives: whether it uses drives' numbers.
+    unsupported_inputs: those of its variants that loops do not support.  takes_coupled, takes_geared: whether it
+    supports rotors with full coupling, behind springs or geared rigidly; takes_base: also with a floating base.
+    is_rooted: whether it computes each tree about its first joint.  reads_user_axes: whether it uses the bodies'
+    frames as users know them.
 
     Measured on chains of 12 to 128 joints and on humanoids of 29 to 101: up to these sizes straight-line code compiles
     in some 2 s, at most 5, takes half to all of the loops' time in batches and, except on chains, half to all of it in
@@ -36,7 +37,7 @@ class Recipe(NamedTuple):
     outputs: tuple[str, ...]
     most_bodies: int
     reads_drives: bool = False
-    odd: str = "external wrenches"
+    unsupported_inputs: str = "external wrenches"
     takes_coupled: bool = False
     takes_geared: bool = True
     takes_base: bool = True
@@ -47,12 +48,22 @@ class Recipe(NamedTuple):
 
 def _elastic_inverse(options: Options) -> Recipe:
     passes = partial(elastic.elastic_inverse_dynamics, options=options)
-    return Recipe(passes, RATES, elastic.MOTOR, 32, True, "strains", options.quasi_rigid)
+    return Recipe(
+        passes,
+        RATES,
+        elastic.MOTOR,
+        32,
+        reads_drives=True,
+        unsupported_inputs="strains",
+        takes_coupled=options.quasi_rigid,
+    )
 
 
 def _elastic_derivatives(options: Options) -> Recipe:
     passes = partial(derivatives.elastic_inverse_dynamics, options=options)
-    return Recipe(passes, RATES, derivatives.OF_MOTORS, 8, True, takes_geared=False, takes_base=False, is_rooted=True)
+    return Recipe(
+        passes, RATES, derivatives.OF_MOTORS, 8, reads_drives=True, takes_geared=False, takes_base=False, is_rooted=True
+    )
 
 
 DERIVATIVES = ("inverse_dynamics_derivatives", None)
@@ -108,11 +119,20 @@ RECIPES: Mapping[Any, Recipe] = {
         for choice in product((False, True), repeat=2)
     },
     "elastic_inverse_dynamics": _elastic_inverse(DEFAULT),
-    "static_deflection": Recipe(elastic.static_deflection, ("q",), ("deflection",), 64, True, takes_coupled=True),
-    "elastic_forward_dynamics": Recipe(
-        elastic.elastic_forward_dynamics, STATE, ("a", "theta_ddot"), 128, True, "strains", True, pairs=1000
+    "static_deflection": Recipe(
+        elastic.static_deflection, ("q",), ("deflection",), 64, reads_drives=True, takes_coupled=True
     ),
-    "drive_slopes": Recipe(elastic.drive_slopes, STATE, EFFORT_SLOPES, 12, True),
+    "elastic_forward_dynamics": Recipe(
+        elastic.elastic_forward_dynamics,
+        STATE,
+        ("a", "theta_ddot"),
+        128,
+        reads_drives=True,
+        unsupported_inputs="strains",
+        takes_coupled=True,
+        pairs=1000,
+    ),
+    "drive_slopes": Recipe(elastic.drive_slopes, STATE, EFFORT_SLOPES, 12, reads_drives=True),
 }
 """By name, or by a key that begins with it."""
 
