@@ -164,7 +164,7 @@ def drive_labels(robot: Robot) -> list[str]:
     return [label for name, drive in robot.drives.items() for label in labels_of(drive, name)]
 
 
-def labels_of(record: Any, path: str = "") -> Iterator[str]:
+def labels_of(record: Any, path: str) -> Iterator[str]:
     """A label for each of `scalars.leaves` of a record: the path to it."""
     if isinstance(record, np.ndarray):
         yield from (f"{path}[{k}]" for k in range(record.size))

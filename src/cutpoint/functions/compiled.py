@@ -129,7 +129,7 @@ class RobotKernels:
     def lean(self) -> Machine:
         return machine_of(self._mechanism, self._drives, lean_framing(self._mechanism))
 
-    def with_parameters(self, parameters: Sequence[Any], lean: bool = False) -> Machine:
+    def with_parameters(self, parameters: Sequence[Any], lean: bool) -> Machine:
         """The machine, or the lean one, with these drive parameters."""
         if len(parameters) != len(self.parameters):
             rule = f"must be {len(self.parameters)} numbers, as drive_parameters"

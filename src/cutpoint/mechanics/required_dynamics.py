@@ -46,7 +46,7 @@ def efforts_between(
     required: Sequence[BodyMotion],
     v_r: Scalars,
     a_r: Scalars,
-    gains: Sequence[Gain] | None = None,
+    gains: Sequence[Gain] | None,
 ) -> tuple[list[Scalar], list[Scalar]]:
     """Torques for a required motion, N m (N): on the links, and separately for rigidly geared rotors.
 

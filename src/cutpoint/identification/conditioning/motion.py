@@ -108,7 +108,7 @@ def sliding_speeds(robot: Robot, motion: Motion) -> Array:
     return np.where(slide_with_motors(robot), motion.w, motion.v)
 
 
-def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None) -> Array:
+def torques_of(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Array:
     """(N, n): torques of the motors times ratio, N m (N), as recorded, in the order of the robot's joints.
 
     constants: N m at the joint per ampere of its motor, by joint; if given, currents are used.  They also are where no

@@ -25,7 +25,7 @@ AT_REST = 0.02
 
 
 def gain_notes(
-    robot: Robot, recording: Recording, constants: Mapping[str, float] | None = None, cutoff: float | None = None
+    robot: Robot, recording: Recording, constants: Mapping[str, float] | None, cutoff: float | None
 ) -> tuple[str, ...]:
     """A sentence for each joint whose encoders differ in how far it moves, if there are two.
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
+from cutpoint.identification.conditioning.filtering import derivative, low_pass
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.mechanics.drives.friction import Coulomb
@@ -22,14 +22,13 @@ AVERAGED, CENTRAL = (-1 / 12, 1 / 90, -1 / 560), (-1 / 6, 1 / 30, -1 / 140)
 central differences.  From the series of (2 arsinh(d / 2))^2 and of its root over (1 + d^2 / 4)^(1/2)."""
 
 
-def link_torque(robot: Robot, q: Array, period: float, cutoff: float | None = None) -> tuple[Array, Array, Array]:
+def link_torque(robot: Robot, q: Array, period: float, cutoff: float) -> tuple[Array, Array, Array]:
     """From the links' motion q (N, n), rad: inverse dynamics and link friction, (N, n) each, N m; and directions of
     motion and speeds (N, n, 2), the columns of any further link friction; NaN at the ends.
 
-    Friction is as in steady sliding.  cutoff: Hz, of the low-pass before differentiation; by default where the
-    positions fall below their noise.
+    Friction is as in steady sliding.  cutoff: Hz, of the low-pass before differentiation.
     """
-    smooth = low_pass(q, period, noise_cutoff(q, period) if cutoff is None else cutoff)
+    smooth = low_pass(q, period, cutoff)
     v, a = derivative(smooth, period), derivative(smooth, period, 2)
     known = np.isfinite(a).all(axis=1)
     found, friction = np.full_like(q, np.nan), np.full_like(q, np.nan)
@@ -66,7 +65,7 @@ def torque_left(
     torque: ArrayLike,
     period: float,
     delay: float,
-    transmission: ArrayLike = 1.0,
+    transmission: ArrayLike,
 ) -> tuple[Array, dict[str, Array]]:
     """The motor's torque (N,), N m, less that of its rotor and friction, (N,), NaN at the ends; and its derivatives by
     inertia and friction of the estimate, which `corrected` takes.

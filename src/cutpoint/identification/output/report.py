@@ -17,7 +17,7 @@ from cutpoint.reporting.page import Block, Page, Picture, Table
 from cutpoint.reporting.style import png, styled
 
 
-def report(found: Identification, notes: Sequence[str] = ()) -> str:
+def report(found: Identification, notes: Sequence[str]) -> str:
     """The page as HTML; notes: further ones."""
     pages = [_torques(found), _numbers(found), *_drives(found), _said(found, notes)]
     with styled():

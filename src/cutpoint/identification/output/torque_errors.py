@@ -104,9 +104,9 @@ def torque_errors(
     rigid: RigidEstimate,
     recording: Recording,
     held_from: float,
-    constants: Mapping[str, float] | None = None,
-    cutoff: float | None = None,
-    bandwidth: float | None = None,
+    constants: Mapping[str, float] | None,
+    cutoff: float | None,
+    bandwidth: float | None,
 ) -> TorqueErrors:
     """Torques before and after, along a whole recording; samples from `held_from` s on count as held out."""
     motion = motion_of(robot, recording, cutoff)

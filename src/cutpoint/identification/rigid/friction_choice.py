@@ -82,9 +82,9 @@ def choose_friction(
     noise: float,
     speed: Array,
     means: Means,
-    load: Array | None = None,
-    offset: bool = True,
-    expected: Sliding | None = None,
+    load: Array | None,
+    offset: bool,
+    expected: Sliding | None,
 ) -> FrictionChoice:
     """Coulomb or Stribeck, each symmetric, asymmetric, or growing with load, and the shape that fits best.
 

@@ -34,7 +34,7 @@ class Physical(NamedTuple):
     base: Array
 
 
-def physical(fit: Fit, solver: Solver = "lmi") -> Physical:
+def physical(fit: Fit, solver: Solver) -> Physical:
     """Bodies, rotors and friction of a fit.  Static friction is not below that in motion.
 
     solver: "lmi", with the entropic distance to the file's bodies; "lmi_trace", with its quadratic approximation, both

@@ -96,13 +96,11 @@ def error_slopes(robot: Robot, motion: Motion, errors: Mapping[str, KinematicErr
     return found
 
 
-def friction_of_links(
-    robot: Robot, laws: Mapping[str, Sliding], known: Mapping[str, Friction] | None = None
-) -> dict[str, Friction]:
+def friction_of_links(robot: Robot, laws: Mapping[str, Sliding], known: Mapping[str, Friction]) -> dict[str, Friction]:
     """By joint, known link friction, or the link's share of its law in a drive that states both sides."""
     drives = ((joint, robot.drives[joint], law) for joint, law in laws.items())
     stated = {joint: _shared(drive, law)["link_friction"] for joint, drive, law in drives if _states_both(drive)}
-    return stated | dict(known or {})
+    return stated | dict(known)
 
 
 def stated_laws(robot: Robot, motion: Motion) -> dict[str, Sliding]:

@@ -27,9 +27,7 @@ MOTIONS: dict[str, JointMotion] = {
 """Of kinds without numbers of their own."""
 
 
-def system_of(
-    mechanism: Mechanism, drives: Mapping[str, Drive] | None = None, framing: Framing | None = None
-) -> System:
+def system_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None) -> System:
     """The mechanism with every joint along z, and its drives' rotors added; drives by joint name.
 
     framing: frames and inertias to take instead of the bodies' own, see `lean_framing`.
@@ -48,13 +46,13 @@ def system_of(
         segments[body.joint.name] = Segment(body.name, body.parent, placement, kind, inertia, q, v, axes, follower)
     frames = {f.name: Place(f.body, pose_of(_seen(given, f.body, f.placement))) for f in mechanism.frames.values()}
     system = System(tuple(segments.values()), vec3(given.gravity), frames, nq, nv, (0,) * nv)
-    turning = {name for name, drive in (drives or {}).items() if drive.rotor}
+    turning = {name for name, drive in drives.items() if drive.rotor}
     seats = {
         body.joint.name: pose_of(_seen(given, body.parent, body.placement @ turn))
         for body, turn in zip(mechanism.bodies, turns, strict=True)
         if body.joint.name in turning
     }
-    return in_unit_of_length(_with_rotors(system, segments, seats, drives or {}), given.length)
+    return in_unit_of_length(_with_rotors(system, segments, seats, drives), given.length)
 
 
 @lru_cache(maxsize=32)

@@ -111,7 +111,7 @@ def friction_of_both_sides(drive: Drive, required: Scalar, speed: Scalar, torque
     return on_link + required_friction(drive.motor_friction, required, speed, torque + on_link)
 
 
-def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar = 0, strain: Scalar | None = None) -> Scalar:
+def friction_resistance(law: Friction | None, speed: Scalar, load: Scalar, strain: Scalar | None) -> Scalar:
     """Resistance of friction to a change of speed, N m s/rad, never below 0."""
     if law is None:
         return 0

@@ -25,9 +25,7 @@ class MotorMotion:
     passed: Scalar
 
 
-def motor_motion(
-    drive: Drive, tau: Jet, q: Scalar, v: Jet, strains: Strains, *, friction_rates: bool = False
-) -> MotorMotion:
+def motor_motion(drive: Drive, tau: Jet, q: Scalar, v: Jet, strains: Strains, *, friction_rates: bool) -> MotorMotion:
     """The motor motion for which its drive exerts the joint torque tau, N m, on the link.  Xia (2019) eqs. (2), (3).
 
     q, v: the link's position, rad, and speed, rad/s.  friction_rates: see `elastic_inverse.Options`.

@@ -198,7 +198,7 @@ def _bristles(law: Friction | None) -> float:
 
 def _grip(law: Friction | None) -> float:
     """Slope of friction with speed at rest, N m s/rad; bristles stick instead."""
-    return float(friction_resistance(law, 0.0, strain=0.0))
+    return float(friction_resistance(law, 0.0, 0, 0.0))
 
 
 def _wound_by(drive: Drive) -> float:
