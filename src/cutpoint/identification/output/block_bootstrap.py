@@ -27,6 +27,12 @@ FEWEST = 16
 QUIET = 2.0
 """Standard deviations of white noise's correlations: smaller correlations count as zero."""
 
+LEVEL = 0.95
+"""Of intervals."""
+
+SEED = 0
+"""Of the draws, the same in every run."""
+
 QUIET_LAGS = 5
 """Consecutive correlations of zero that end the errors' memory."""
 
@@ -49,8 +55,8 @@ class Ratio(NamedTuple):
         return self.low > 1.0
 
 
-def error_ratio(first: Array, second: Array, level: float = 0.95, seed: int = 0) -> Ratio:
-    """RMS ratio of two models, from squared errors (N,) at the same ordered times, with its interval at a level.
+def error_ratio(first: Array, second: Array) -> Ratio:
+    """RMS ratio of two models, from squared errors (N,) at the same ordered times, with its interval.
 
     The logarithm of the ratio is assumed to follow Student's t, with one degree of freedom less than there are blocks.
     """
@@ -61,18 +67,18 @@ def error_ratio(first: Array, second: Array, level: float = 0.95, seed: int = 0)
     # how the ratio changes with each sample, to first order
     length = min(int(np.ceil(LONGER * block_length(first - a / b * second))), count // FEWEST_BLOCKS)
     # means of few blocks scatter less about the mean of all than about the truth
-    spread = _spread(both, length, seed) / np.sqrt(1.0 - length / count)
-    reach = float(t.ppf(0.5 + 0.5 * level, count / length - 1.0)) * spread
+    spread = _spread(both, length) / np.sqrt(1.0 - length / count)
+    reach = float(t.ppf(0.5 + 0.5 * LEVEL, count / length - 1.0)) * spread
     value = np.sqrt(a / b)
     return Ratio(float(value), float(value * np.exp(-reach)), float(value * np.exp(reach)))
 
 
-def _spread(both: Array, length: int, seed: int) -> float:
+def _spread(both: Array, length: int) -> float:
     """Standard deviation of the logarithm of the ratio, for squares (N, 2) resampled in blocks of a length."""
     count = len(both)
     sums = np.cumsum(np.concatenate([np.zeros((1, 2)), both, both[:length]]), axis=0)
     blocks = sums[length:] - sums[:-length]
-    starts = np.random.default_rng(seed).integers(0, count, (DRAWS, -(-count // length)))
+    starts = np.random.default_rng(SEED).integers(0, count, (DRAWS, -(-count // length)))
     drawn = np.maximum(blocks[starts].sum(axis=1), np.finfo(float).tiny)
     return float(np.std(0.5 * np.log(drawn[:, 0] / drawn[:, 1])))
 
