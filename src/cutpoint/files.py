@@ -1,14 +1,34 @@
 """Users' files and our output files: bounded reading, atomic writing."""
 
+import csv
 import stat
 import tempfile
+import zipfile
+import zlib
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
+from tokenize import TokenError
 from typing import Any, BinaryIO
 
 from cutpoint.errors import InputError
+
+UNREADABLE = (
+    ValueError,
+    TypeError,
+    LookupError,
+    EOFError,
+    OSError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    TokenError,
+    csv.Error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+"""What the standard library and NumPy raise for a file that is not what it should be."""
 
 
 def check_readable(path: Path, largest: int, remedy: str = "") -> None:

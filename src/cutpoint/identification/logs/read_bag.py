@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.files import check_readable
+from cutpoint.files import UNREADABLE, check_readable
 from cutpoint.identification.logs.bag_storage import Message, stored_messages
 from cutpoint.identification.logs.table import LARGEST_FILE, Channel, Table, optional
-from cutpoint.simulation.log.files import UNREADABLE
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 ARRAY = "std_msgs/msg/Float64MultiArray"

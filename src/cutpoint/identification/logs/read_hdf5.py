@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from cutpoint.errors import InputError
+from cutpoint.files import UNREADABLE
 from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
-from cutpoint.simulation.log.files import UNREADABLE
 
 REFERENCES = "#refs#"
 """Where MATLAB stores the targets of cells and objects."""

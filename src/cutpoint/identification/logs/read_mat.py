@@ -11,10 +11,10 @@ from scipy.io import loadmat
 from scipy.io.matlab import MatReadError, mat_struct
 
 from cutpoint.errors import InputError
+from cutpoint.files import UNREADABLE
 from cutpoint.identification.logs.mat_nesting import ARRAY, check_nesting
 from cutpoint.identification.logs.read_hdf5 import read_hdf5
 from cutpoint.identification.logs.table import LARGEST_FILE, Table, channel
-from cutpoint.simulation.log.files import UNREADABLE
 
 HEADER = 128
 """Bytes before the first element of a version 5 file: MathWorks, MAT-File Format, "Level 5 MAT-File Format"."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
+from cutpoint.files import UNREADABLE
 from cutpoint.identification.logs.table import Table, channel, check_size
-from cutpoint.simulation.log.files import UNREADABLE
 
 OBJECTS = "Python objects"
 

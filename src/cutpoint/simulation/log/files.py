@@ -8,18 +8,16 @@ import csv
 import io
 import json
 import zipfile
-import zlib
 from array import array
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from tokenize import TokenError
 from typing import IO, Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, counted
-from cutpoint.files import check_readable, check_target_file, replacing
+from cutpoint.files import UNREADABLE, check_readable, check_target_file, replacing
 from cutpoint.simulation.log.log import Array, Log, column_name
 
 VERSION = 1
@@ -37,22 +35,6 @@ LONGEST_LINE = 10_000_000
 """Characters of a line in a .csv."""
 
 OTHER_COLUMNS = "its columns are not those its first line announces"
-
-UNREADABLE = (
-    ValueError,
-    TypeError,
-    LookupError,
-    EOFError,
-    OSError,
-    OverflowError,
-    RuntimeError,
-    SyntaxError,
-    TokenError,
-    csv.Error,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""What the standard library and NumPy raise for a file that is not what it should be."""
 
 
 def save(log: Log, path: Path) -> None:
