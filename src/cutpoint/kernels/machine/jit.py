@@ -147,7 +147,7 @@ def _machine(optimisation: int) -> binding.TargetMachine:
 def _linker(number: int) -> binding.LLJIT:
     """The linkers in rotation; one stays in memory after its turn for the code that it has linked."""
     # code addresses its constants within 2 GiB: JITLink places them next to it, however fragmented memory is; the older
-    # # linker, which LLVM still prefers on Windows, does not
+    # linker, which LLVM still prefers on Windows, does not
     return binding.create_lljit_compiler(_machine(OPTIMISATION), use_jit_link=sys.platform != "win32")
 
 
