@@ -1,0 +1,97 @@
+"""`cutpoint torque`."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_runs import printed, saved
+from typer.testing import CliRunner
+
+import cutpoint
+from cutpoint import InputError, Log, robots
+from cutpoint.commands import app
+
+
+def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
+    """Where joint5 stands upright gravity asks 1.8e-16 N m of it."""
+    table = [line.split("│") for line in printed("torque", "xia2019", "--q", "0,0,0,0,90,0", "--degrees").splitlines()]
+    (joint5,) = [cells for cells in table if len(cells) > 1 and cells[1].strip() == "joint5"]
+    assert [cell.strip() for cell in joint5[3:7]] == ["0", "0", "0", "0 arcmin"]
+
+
+def test_torques_that_are_equal_are_printed_equal() -> None:
+    """At rest a link's drive bears gravity and nothing else."""
+    told = printed("torque", "xia2019", "--q", "0,30,60,0,45,0", "--degrees")
+    rows = [[cell.strip() for cell in line.split("│")] for line in told.splitlines() if line.startswith("│")]
+    assert len(rows) == 6 and all(gravity == on_link for _, _, _, gravity, on_link, *_ in rows)
+    assert "14.2307" in {row[3] for row in rows}
+
+
+def test_torques_at_a_place_are_saved_as_they_are_computed(tmp_path: Path) -> None:
+    given = {"--q": "0,30,60,0,45,0", "--v": "1,2,3,4,5,6", "--a": "6,5,4,3,2,1"}
+    found = saved(tmp_path, "torque", "xia2019", *itertools.chain(*given.items()), "--degrees")
+    arm = robots.xia2019()
+    motion = [np.radians([float(x) for x in text.split(",")]) for text in given.values()]
+    u = arm.elastic_inverse_dynamics(*motion, np.zeros(6), np.zeros(6), quasi_rigid=True)
+    lead = u.theta - motion[0]
+    expected = [*motion, arm.gravity_forces(motion[0]), u.joint_torque, u.motor_torque, lead]
+    names = ["position", "speed", "acceleration", "gravity", "joint_torque", "motor_torque", "motor_lead"]
+    assert (found["robot"], [*found["joints"]]) == (arm.name, [*arm.joints])
+    for name, values in zip(names, expected, strict=True):
+        assert [joint[name] for joint in found["joints"].values()] == values.tolist()
+    with pytest.raises(InputError, match=r"torque: --json applies only to --q; save a motion's torques by --output"):
+        CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--json", "x.json"], catch_exceptions=False)
+
+
+def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    arm, times = robots.xia2019(), np.linspace(0.0, 1.0, 501)
+    q = cutpoint.trajectories.cycloid(np.full(6, 0.5), 1.0)(times).q
+    head = ",".join(["t", *(f"{name} [rad]" for name in arm.joints)])
+    np.savetxt("move.csv", np.c_[times, q], delimiter=",", header=head, comments="")
+    told = printed(
+        "torque", "xia2019", "move.csv", "--period", "0.01", "--output", "torques.csv", "--plot", "torques.png"
+    )
+    log, drives = Log.load("torques.csv"), cutpoint.load(robots.XIA2019_URDF, robots.XIA2019_DRIVES)
+    smooth = cutpoint.trajectories.from_csv("move.csv", arm.joints)
+    expected = drives.elastic_inverse_dynamics(*smooth.derivatives(log.time, 4))
+    np.testing.assert_allclose(log["motor_torque"], expected.motor_torque, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(log["theta"], expected.theta, rtol=1e-12, atol=1e-12)
+    assert len(log.time) == 101 and Path("torques.png").stat().st_size > 10_000
+    fine = drives.elastic_inverse_dynamics(*smooth.derivatives(np.linspace(0.0, 1.0, 1001), 4))
+    assert f"{np.abs(fine.motor_torque).max(axis=0)[1]:.4g} N m" in told
+    with pytest.raises(
+        InputError, match=r"--period 1e-09 s: this gives 1e\+09 samples, at most 1e\+06 are allowed: lengthen it"
+    ):
+        CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--period", "1e-9"], catch_exceptions=False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "give a CSV file TRAJECTORY, or one position as --q"),
+        (
+            ["move.csv", "--q", "0,0,0,0,0,0"],
+            "trajectory 'move.csv' is already a motion: leave out --q, --v, --a and --degrees",
+        ),
+        (
+            ["--q", "0,0,0,0,0,0", "--output", "torques.csv"],
+            "--output, --plot and --smoothing apply only to a CSV file",
+        ),
+        (["--q", "0,0,0,0,0,0", "--smoothing", "5"], "--output, --plot and --smoothing apply only to a CSV file"),
+    ],
+)
+def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        CliRunner().invoke(app, ["torque", "xia2019", *arguments], catch_exceptions=False)
+
+
+def test_what_is_to_be_done_about_coarse_samples_names_the_option(tmp_path: Path) -> None:
+    path = tmp_path / "coarse.csv"
+    rows = "".join(f"{t},{(-1) ** t}{',0' * 5}\n" for t in range(5))
+    path.write_text(f"t,{','.join(f'joint{k}' for k in range(1, 7))}\n{rows}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"give samples closer in time, or a bandwidth \(--smoothing\); in Python, at"):
+        CliRunner().invoke(app, ["torque", "xia2019", str(path)], catch_exceptions=False)
+    with pytest.raises(InputError, match=r"bandwidth 50.0 Hz \(--smoothing\) must lie between"):
+        CliRunner().invoke(app, ["torque", "xia2019", str(path), "--smoothing", "50"], catch_exceptions=False)
