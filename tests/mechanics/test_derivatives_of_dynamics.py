@@ -8,7 +8,6 @@ import pytest
 from test_against_pinocchio import twin_of
 
 from cutpoint import Drive, LinearSpring, Rotor, derivatives, robots
-from cutpoint.derivatives import definitions
 from cutpoint.derivatives.sweeps import elastic_forward_dynamics
 from cutpoint.drive_slopes import STATE
 from cutpoint.errors import InputError
@@ -63,23 +62,6 @@ def test_forward_dynamics(name: str, backend: str) -> None:
         scales = (weight(twin.robot) * np.abs(theirs[2]).max(), 0.0, 0.0)
         for x, y, scale in zip(ours, theirs, scales, strict=True):
             assert_close(x, square(twin, y), scale=scale)
-
-
-@pytest.mark.parametrize("name", ["xia2019", "floating"])
-def test_an_acceleration_with_the_wrong_sign_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(definitions, "_negated", lambda rows: rows)
-    robot.cache_clear()
-    with pytest.raises(AssertionError):
-        test_forward_dynamics(name, "numpy")
-    robot.cache_clear()
-
-
-def test_coordinates_instead_of_tangents_are_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(definitions, "_along_tangents", lambda m, q, rows: [row[:-1] for row in rows])
-    robot.cache_clear()
-    with pytest.raises(AssertionError):
-        test_inverse_dynamics("floating", "numpy")
-    robot.cache_clear()
 
 
 SLIDING = ("revolute", "prismatic", "helical", "revolute")

@@ -390,6 +390,27 @@ MUTANTS = {
         slopes.test_elastic_inverse_dynamics_are_their_differences,
         {"name": "flexspline", "options": {}},
     ),
+    "an acceleration's slope with the wrong sign": Mutant(
+        derivative_definitions._negated,
+        "0 - x",
+        "x",
+        slopes.test_forward_dynamics,
+        ARM,
+    ),
+    "an acceleration's slope with the wrong sign on a floating base": Mutant(
+        derivative_definitions._negated,
+        "0 - x",
+        "x",
+        slopes.test_forward_dynamics,
+        {"name": "floating", "backend": "numpy"},
+    ),
+    "slopes along coordinates instead of tangents": Mutant(
+        derivative_definitions._along_tangents,
+        "return [[dot(direction, row) for direction in directions] for row in rows]",
+        "return [row[:-1] for row in rows]",
+        slopes.test_inverse_dynamics,
+        {"name": "floating", "backend": "numpy"},
+    ),
     "a drive's slope left out where it moves its own link": Mutant(
         derivative_definitions._through_drives,
         "rows[link][k] + x",
