@@ -223,7 +223,7 @@ def test_what_does_not_fit_is_told(kernel: Kernel, change: Callable[..., Any]) -
 def test_what_may_not_be_written_to_is_left_alone(kernel: Kernel) -> None:
     targets = empty(kernel)
     targets[0].flags.writeable = False
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="law: output array is read-only"):
         kernel(*batch(kernel), out=targets)
     assert (targets[0] == 7).all()
 
