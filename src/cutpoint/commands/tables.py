@@ -33,7 +33,7 @@ COLUMNS = ("joint", "kind", "carries", "carried by", "mass / kg", "position limi
 STACKED = ("joint,\nkind", "carries,\ncarried by", "mass\nkg", "position\nlimits", "speed\nlimit", "effort\nlimit")
 """Of robots, in one line each and, where it is narrow, in two."""
 
-NOTHING = ("-", "-", "-")
+NO_LIMITS = ("-", "-", "-")
 """Limits of a joint without any of its own."""
 
 
@@ -50,7 +50,7 @@ def robot_table(robot: Robot, console: Console) -> Table:
         kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
         carrier = bodies[body.parent].name if body.parent >= 0 else "world"
         own = in_force.get(joint.name, joint.limits)
-        limits = NOTHING if mimic else _in_words(joint, own.velocity, efforts.get(joint.name, own.effort))
+        limits = NO_LIMITS if mimic else _in_words(joint, own.velocity, efforts.get(joint.name, own.effort))
         wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
         stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
     return wide if natural_width(wide, console) <= console.width else stacked

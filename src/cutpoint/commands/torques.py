@@ -37,7 +37,7 @@ CHANNELS = {
 """Channels of a motion's log, in units of revolute joints."""
 
 
-FEWEST, MOST = 1000, 1e6
+FEWEST_SAMPLES, MOST_SAMPLES = 1000, 1e6
 """Samples of a motion: those for its peaks, and the most that a log may have."""
 
 
@@ -80,7 +80,7 @@ def torque(
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
-        fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST))
+        fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST_SAMPLES))
         print_table(motion_table(loaded, fine), console)
         return say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
     if q is None:
@@ -102,8 +102,10 @@ def torques_along(
     robot: cutpoint.Robot, trajectory: "cutpoint.trajectories.Trajectory", period: float
 ) -> "cutpoint.Log":
     """Motor torques along a motion, every `period` s; full rotor coupling as with `quasi_rigid`."""
-    if trajectory.duration / period > MOST:
-        rule = f"this gives {trajectory.duration / period:.3g} samples, at most {MOST:g} are allowed: lengthen it"
+    if trajectory.duration / period > MOST_SAMPLES:
+        rule = (
+            f"this gives {trajectory.duration / period:.3g} samples, at most {MOST_SAMPLES:g} are allowed: lengthen it"
+        )
         raise InputError(f"torque: --period {period:g} s: {rule}", period=period)
     times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
     motion = trajectory.derivatives(times, 4)

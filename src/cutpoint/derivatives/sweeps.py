@@ -33,7 +33,7 @@ MOST_STRAIGHT_SPEEDS = 36
 """Speeds up to which it is: of joints of several axes, 32 took 21 s to compile, 40 half a minute or more than can be
 compiled."""
 
-MOST = 500
+MOST_SWEPT_BODIES = 500
 """Bodies that are swept at most: some seconds, and some hundred megabytes."""
 
 WIDTH = 512
@@ -50,8 +50,8 @@ class Slopes(NamedTuple):
 def is_swept(robot: Robot) -> bool:
     """Whether the robot is large enough for sweeps.  Raises InputError if it is too large for them."""
     bodies = len(robot.mechanism.bodies)
-    if bodies > MOST:
-        raise too_large(bodies, MOST)
+    if bodies > MOST_SWEPT_BODIES:
+        raise too_large(bodies, MOST_SWEPT_BODIES)
     return bodies > MOST_STRAIGHT_BODIES or robot.nv > MOST_STRAIGHT_SPEEDS
 
 

@@ -16,10 +16,10 @@ from cutpoint.mechanics.mass_matrix import composite_inertias
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 
-ROUNDING = 1e-13
-"""Of the inertia that a motion could move at most."""
+INERTIA_ROUNDING = 1e-13
+"""Share of the inertia that a motion could move at most: with less it moves none."""
 
-MOST = 200
+MOST_BODIES = 200
 """Bodies of the largest robot of which all motions are looked at, up to a second; of larger ones it is each joint's."""
 
 CONFIGURATIONS = 3
@@ -30,7 +30,7 @@ def check_moves_inertia(mechanism: Mechanism, machine: Machine) -> None:
     """Raises ModelError, with the joints' names, if joints can move without moving positive inertia."""
     if not machine.system.nv:
         return
-    if len(mechanism.bodies) > MOST:
+    if len(mechanism.bodies) > MOST_BODIES:
         if idle := _idle_alone(mechanism, machine.system):
             raise ModelError(_complaint(idle[:1], True), joints=idle)
         return
@@ -48,11 +48,11 @@ def _idle_alone(mechanism: Mechanism, system: System) -> list[str]:
     """Joints of which each moves no inertia while all others stand still."""
     both = system, _spread(system)
     own, most = (_alone(x, [body.inertia for body in x.segments]) for x in both)
-    if (own > ROUNDING * most).all():
+    if (own > INERTIA_ROUNDING * most).all():
         return []
     X = joint_poses(system, at_random(mechanism, system, np.random.default_rng(0), ()).tolist())
     carried, most = (_alone(x, composite_inertias(x, X)) for x in both)
-    return list(dict.fromkeys(_names(mechanism, system)[carried <= ROUNDING * most]))
+    return list(dict.fromkeys(_names(mechanism, system)[carried <= INERTIA_ROUNDING * most]))
 
 
 def _alone(system: System, inertias: Sequence[Inertia]) -> "np.ndarray":
@@ -87,7 +87,7 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
     share = np.abs(vectors[:, 0])
-    return list(dict.fromkeys(names[share > 0.1 * share.max()])) if values[0] < ROUNDING else []
+    return list(dict.fromkeys(names[share > 0.1 * share.max()])) if values[0] < INERTIA_ROUNDING else []
 
 
 def _names(mechanism: Mechanism, system: System) -> "np.ndarray":

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from cutpoint.callers import warn
 from cutpoint.model.holding import hold
-from cutpoint.model.lumping import NOTHING, MassProperties, lumped, placed
+from cutpoint.model.lumping import NO_MASS, MassProperties, lumped, placed
 from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import unit_vector
@@ -108,7 +108,7 @@ class _Assembly:
 
     def start_body(self, joint: Joint, parent: int, placement: Array) -> None:
         self.carriers.append((joint, parent, placement))
-        self.masses.append(NOTHING)
+        self.masses.append(NO_MASS)
         self.pieces.append([])
 
     def add(self, link: Link) -> None:

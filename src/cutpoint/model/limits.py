@@ -12,10 +12,10 @@ from cutpoint.model.validation import DEGREES_BEYOND
 
 Array = NDArray[np.float64]
 
-FAR = 10.0
+MILLIMETRES_BEYOND_LIMIT = 10.0
 """Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
 
-NEAR = 1.25
+DEGREES_BEYOND_LIMIT = 1.25
 """Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
 
 
@@ -37,9 +37,9 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
         joint = mechanism.bodies[i].joint
         low, high = joint.limits.lower, joint.limits.upper
         exceeded, likeness, unit = abs(high if x > high else low), "", "rad"
-        if joint.kind == "revolute" and abs(x) > max(2 * np.pi, NEAR * exceeded):
+        if joint.kind == "revolute" and abs(x) > max(2 * np.pi, DEGREES_BEYOND_LIMIT * exceeded):
             likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
-        if joint.kind == "prismatic" and abs(x) > max(1.0, FAR * max(abs(low), abs(high))):
+        if joint.kind == "prismatic" and abs(x) > max(1.0, MILLIMETRES_BEYOND_LIMIT * max(abs(low), abs(high))):
             likeness, unit = "mm: give metres" if low < high else "", "m"
         if likeness and not low <= x <= high:
             found = f"position {x:g} {unit} exceeds its limits [{low:g}, {high:g}]"

@@ -20,7 +20,7 @@ class MassProperties(NamedTuple):
         return self.mass == 0.0 and not np.any(self.inertia)
 
 
-NOTHING = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
+NO_MASS = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def placed(placement: Array, piece: MassProperties) -> MassProperties:

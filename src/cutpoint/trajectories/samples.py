@@ -17,11 +17,11 @@ DEFAULT_BANDWIDTH = 10.0
 
 FEWEST_SAMPLES = 4
 
-FAR = 0.05
-"""Of a joint's range: samples so coarse that the motion leaves them by more are no samples of it."""
+COARSE_SHARE = 0.05
+"""Share of a joint's range: samples so coarse that the motion leaves them by more are no samples of it."""
 
-SMALL = 0.01
-"""Of the largest range of all joints: what moves by less may be noise."""
+NOISE_SHARE = 0.01
+"""Share of the largest range of all joints: what moves by less may be noise."""
 
 LEAST = 1e-4
 """rad (m): by so much noise may be smoothed away."""
@@ -117,7 +117,7 @@ def from_samples(
         _check_near(deviation.max, ranges, chosen, names)
     free = smoothing_spline(t, moved, chosen, at_rest=False)[0] if at_rest else spline
     peaks, least = peak_accelerations(spline), np.maximum(peak_accelerations(free), 1e-300)
-    hurry = np.where(ranges > SMALL * ranges.max(), peaks / least, 1.0)
+    hurry = np.where(ranges > NOISE_SHARE * ranges.max(), peaks / least, 1.0)
     parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(t, chosen))
     smoothed = Smoothed(float(t[-1]), samples[0], *parts)
     _warn_of(smoothed)
@@ -138,7 +138,7 @@ def _warn_of(found: Smoothed) -> None:
 
 def _check_near(deviation: Array, ranges: Array, bandwidth: float, names: Sequence[str] | None) -> None:
     """Raises InputError if the motion is far from its samples at the default bandwidth."""
-    far = deviation > np.maximum(FAR * ranges, max(SMALL * ranges.max(), LEAST))
+    far = deviation > np.maximum(COARSE_SHARE * ranges, max(NOISE_SHARE * ranges.max(), LEAST))
     if not far.any():
         return
     joint = int(np.argmax(np.where(far, deviation / np.maximum(ranges, 1e-300), 0.0)))

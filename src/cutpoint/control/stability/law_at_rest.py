@@ -23,7 +23,7 @@ STEP = 1e-6
 SETTLING = 128
 """Periods that a law's memory is given to come to rest."""
 
-ROUNDS = 3
+NEWTON_STEPS = 3
 """Newton's steps towards rest, each of the times that they are taken."""
 
 
@@ -91,7 +91,7 @@ class LawAtRest:
             return torque - load, after[free] - memory[free]
 
         x: Array = np.concatenate([self._shift, self.memory[free]])
-        for _ in range(ROUNDS):
+        for _ in range(NEWTON_STEPS):
             slopes, off = np.vstack(differences(answer, x)), np.concatenate(answer(x))
             if not (np.isfinite(slopes).all() and np.isfinite(off).all()):
                 return

@@ -28,13 +28,13 @@ AT_REST = np.array([1e-8, 1e-7])
 COARSE = np.geomspace(1e-4, np.pi, 100)
 """Frequencies at which a peak is sought quickly, with those of the closed loop's poles; rad a sample."""
 
-NOTHING = 1e-6
-"""A gain that is less: L is infinite there."""
+LEAST_GAIN = 1e-6
+"""Where a gain is less, L is infinite."""
 
 FAST = 0.5
 """Poles that are smaller make nothing turn fast: what they hold is gone in a few samples."""
 
-NEAR = 1e-3
+NEAR_CIRCLE = 1e-3
 """Distance from the unit circle of what may be a crossing."""
 
 HALVES = 60
@@ -181,7 +181,7 @@ def _crossings(A: Array, b: Array, c: Array) -> Array:
     of_one = np.block([[A, bc], [O, I]]), np.block([[I, O], [bc, A]])
     with np.errstate(all="ignore"):
         z = np.concatenate([np.asarray(eigvals(*pencil)) for pencil in (real, of_one)])
-        turns = np.abs(np.angle(z[np.abs(np.abs(z) - 1) < NEAR]))
+        turns = np.abs(np.angle(z[np.abs(np.abs(z) - 1) < NEAR_CIRCLE]))
     return np.sort(np.concatenate([[0.0], turns, [np.pi]]))
 
 
@@ -196,7 +196,7 @@ def _of_joint(cut: _Cut, period: float) -> tuple[float, ...]:
     lags = (np.angle(cut.at(of_one)) + np.pi) % (2 * np.pi)
     return (
         min(gains[gains > 1], default=np.inf),
-        max(gains[(gains < 1) & (gains > NOTHING)], default=0.0),
+        max(gains[(gains < 1) & (gains > LEAST_GAIN)], default=0.0),
         float(np.rad2deg(min(lags, default=np.inf))),
         min(lags / of_one * period, default=np.inf),
         1 / cut.nearest(),

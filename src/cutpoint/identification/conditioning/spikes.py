@@ -18,13 +18,13 @@ NEIGHBOURS = 5
 EVEN = 1.0 + 34.0 / 36.0
 """Variance of a sample's distance from the cubic through its neighbours, for unit noise at even times."""
 
-ROUNDS = 3
+PASSES = 3
 """Passes over a channel: of two adjacent spikes, one is found after the other."""
 
 MOST_ARE = 0.95
 """Share of the samples whose distance is taken as due to noise and motion."""
 
-FAR = 10.0
+SPIKE = 10.0
 """A spike is this many times as far off as most samples."""
 
 SELDOM = 0.02
@@ -38,7 +38,7 @@ def without_spikes(recording: Recording) -> Recording:
     for name, values in channels.items():
         for joint, column in zip(recording.joints, values.T, strict=True):
             if count := _mended(recording.time, column):
-                rule = f"{counted(count, 'spike')}, over {FAR:g} times as far from the neighbours as most samples"
+                rule = f"{counted(count, 'spike')}, over {SPIKE:g} times as far from the neighbours as most samples"
                 notes.append(f"{name} of {joint}: {rule}; interpolated")
     return replace(recording, **channels).with_notes(notes) if notes else recording
 
@@ -49,7 +49,7 @@ def _mended(time: Array, column: Array) -> int:
     if known.size < NEIGHBOURS:
         return 0
     x, mended, weights, noise = column[known], np.zeros(known.size, bool), *_cubics(time[known])
-    for _ in range(ROUNDS):
+    for _ in range(PASSES):
         curve = (weights * x[_neighbours(x.size)]).sum(axis=1)
         spikes = _spikes(x, np.abs(x - curve) / noise)
         x[spikes] = curve[spikes]
@@ -83,7 +83,7 @@ def _spikes(x: Array, off_curve: Array) -> NDArray[np.bool_]:
     away = np.abs(x - median_filter(x, NEIGHBOURS, mode="nearest"))
     usual = max(float(np.quantile(off_curve, MOST_ARE)), _finest_step(x))
     farthest = off_curve == maximum_filter1d(off_curve, NEIGHBOURS, mode="nearest")
-    return farthest & (off_curve > FAR * usual) & (away > 0.5 * off_curve)
+    return farthest & (off_curve > SPIKE * usual) & (away > 0.5 * off_curve)
 
 
 def _finest_step(x: Array) -> float:

@@ -14,7 +14,7 @@ from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
 
-WORTH = 2e-3
+LEAST_SHARE = 2e-3
 """Least share that is reported: an encoder that is mounted off its centre by a thousandth of its radius shows half."""
 
 LARGEST = 0.1
@@ -39,7 +39,7 @@ def gain_notes(
     for j, joint in enumerate(robot.joints):
         lead, q, v, a, tau = (x[:, j] for x in (motion.theta - motion.q, motion.q, motion.v, motion.a, load))
         share, deviation = (0.0, np.inf) if joint in still else _share(lead, q, v, a, tau, recording.time)
-        if max(WORTH, SIGNIFICANT * deviation) < abs(share) < LARGEST:
+        if max(LEAST_SHARE, SIGNIFICANT * deviation) < abs(share) < LARGEST:
             ratio = robot.drives[joint].ratio
             asked = f"is the ratio {ratio * (1.0 + share):.4g}, not {ratio:g}, or the scale of an encoder another?"
             notes.append(f"theta of {joint} moves {1.0 + share:.4g} times as far as q: {asked}")

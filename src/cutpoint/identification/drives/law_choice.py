@@ -17,7 +17,7 @@ BLOCKS = 10
 SURE = 1.5
 """Standard errors by which a law with more constants must improve the prediction."""
 
-WORTH = 0.02
+LEAST_IMPROVEMENT = 0.02
 """Share of the squared error that it must gain: samples of a repeated motion are not independent."""
 
 
@@ -44,7 +44,7 @@ def simplest(errors: Mapping[Name, Array]) -> Name:
     best, *others = errors
     for name in others:
         gain = errors[best] - errors[name]
-        if gain.mean() > max(SURE * gain.std(ddof=1) / np.sqrt(BLOCKS), WORTH * errors[best].mean()):
+        if gain.mean() > max(SURE * gain.std(ddof=1) / np.sqrt(BLOCKS), LEAST_IMPROVEMENT * errors[best].mean()):
             best = name
     return best
 

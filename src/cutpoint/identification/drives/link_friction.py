@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 PUSHES = 0.05
 """Share of all viscous friction: a smaller negative one is model error, not evidence."""
 
-MOST = 2.0
+ONE_SIDED = 2.0
 """Times the other side's dry friction: beyond it, a drive is taken to have friction on one side only."""
 
 
@@ -82,7 +82,7 @@ def friction_notes(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, l
     found: list[str] = []
     if on_link > SIGNIFICANT * link.coulomb[1] or stated == "link":
         side = {"motor": "link", "link": "motor"}[stated]
-        outweighs = on_motor > MOST * on_link if side == "motor" else on_link > MOST * on_motor
+        outweighs = on_motor > ONE_SIDED * on_link if side == "motor" else on_link > ONE_SIDED * on_motor
         remedy = "" if not outweighs else f": state its friction under `friction: {{{side}: ...}}`"
         found.append(f"of the dry friction, {on_motor:.3g} N m is the motor's and {on_link:.3g} N m the link's{remedy}")
     value, deviation = link.viscous

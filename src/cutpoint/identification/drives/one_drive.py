@@ -44,7 +44,7 @@ Noise of the torque beyond makes springs appear stiffer and less damped.
 TURNS = 8
 """Largest number of alternations between spring and rotor; initially wrong friction takes several."""
 
-NEAR = 0.5
+CONVERGED = 0.5
 """Standard deviations of a rotor: after a smaller change both have converged."""
 
 
@@ -215,8 +215,8 @@ def _from_motor(
 
 
 def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
-    """Whether it changed by less than NEAR of its standard deviations."""
-    return bool((np.abs(rotor.values - before.values) <= NEAR * np.sqrt(np.diag(rotor.covariance))).all())
+    """Whether it changed by less than CONVERGED of its standard deviations."""
+    return bool((np.abs(rotor.values - before.values) <= CONVERGED * np.sqrt(np.diag(rotor.covariance))).all())
 
 
 def _is_seen(spring: SpringEstimate) -> bool:

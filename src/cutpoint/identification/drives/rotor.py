@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 UNCERTAIN = 0.1
 """Relative standard deviation above which an estimate counts as unidentifiable."""
 
-SHARE = f"is uncertain by more than {UNCERTAIN:.0%}"
+TOO_UNCERTAIN = f"is uncertain by more than {UNCERTAIN:.0%}"
 
 UNITS = {
     "inertia": "kg m2 at the joint",
@@ -95,7 +95,7 @@ class RotorEstimate(Unknowns):
 
 def vague(found: RotorEstimate, name: str) -> str:
     """Why an unknown of `UNITS` cannot be determined."""
-    complaint = "cannot be told from zero" if name in ("coulomb", "viscous") else SHARE
+    complaint = "cannot be told from zero" if name in ("coulomb", "viscous") else TOO_UNCERTAIN
     figures = f"{found[name]:.3g} +- {found.deviations[name]:.2g} {UNITS[name]}"
     return f"{name} {figures} {complaint}: excite with more acceleration and speed"
 

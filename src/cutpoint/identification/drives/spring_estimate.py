@@ -31,7 +31,7 @@ OPEN = 2.0
 UNCERTAIN = 0.2
 """Relative standard deviation of the spring's deflection above which its stiffness counts as unidentifiable."""
 
-NEAR = 0.1
+NEAR_ZERO = 0.1
 """Share of the largest torque: if torque never comes this close to zero, a curve's beginning is extrapolated."""
 
 SURELY = 12.0
@@ -166,7 +166,7 @@ def _likeness(x: Array, y: Array) -> float:
 
 def _bare(data: Deflections, fit: DeflectionFit) -> str:
     least, largest = (float(each(np.abs(data.torque))) for each in (np.min, np.max))
-    if fit.law.constants == ("stiffness",) or least < NEAR * largest:
+    if fit.law.constants == ("stiffness",) or least < NEAR_ZERO * largest:
         return ""
     return f"torque was never below {least:.3g} N m: the curve there is extrapolated; excite on both sides of zero"
 

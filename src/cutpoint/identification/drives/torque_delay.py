@@ -10,7 +10,7 @@ import numpy as np
 
 from cutpoint.identification.drives.scatter import SIGNIFICANT
 
-WORTH = 2e-4
+LEAST_DELAY = 2e-4
 """s: smaller delays are not reported.  In trials model errors caused 0.1 ms; 2 ms made rotors a quarter too light."""
 
 
@@ -33,7 +33,7 @@ def delay_notes(delays: Mapping[str, Delay], supposed: float, damped: Collection
     if not delays:
         return ()
     values, deviations = (np.array(x) for x in zip(*delays.values(), strict=True))
-    found, surely = float(np.median(values)), max(WORTH, SIGNIFICANT * float(np.median(deviations)))
+    found, surely = float(np.median(values)), max(LEAST_DELAY, SIGNIFICANT * float(np.median(deviations)))
     each = ", ".join(f"{joint} {1e3 * x.value:.2f} +- {1e3 * x.deviation:.1g} ms" for joint, x in delays.items())
     remedy, taken = f"torque_delay={found:.2g}, --delay {found:.2g}", _when(supposed) if supposed else "on time"
     if found - supposed < -surely:

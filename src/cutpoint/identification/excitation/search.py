@@ -32,7 +32,7 @@ HALVINGS = 10
 BLIND = 1e6
 """The condition number above which a motion, such as one near rest, does not determine all parameters."""
 
-SMALL = 0.01
+LEAST_SCALE = 0.01
 """Scale of the waves: if limits allow less, the centre is wrong."""
 
 
@@ -113,8 +113,8 @@ def _within(problem: Problem, z: Array, clock: "_Clock") -> Array:
     A large motion that starts beyond a limit too often stays there.
     """
     factor = _largest_factor(problem, z)
-    if factor < SMALL:
-        z = _scaled(z, SMALL)
+    if factor < LEAST_SCALE:
+        z = _scaled(z, LEAST_SCALE)
 
         def cost(centre: Array) -> tuple[float, Array]:
             clock.check()

@@ -15,8 +15,8 @@ SCATTER = 0.25
 SMOOTHER = 0.9
 """Share of a position's changes of speed that is left at even times, where stamps are to blame for the rest."""
 
-SHARE = 0.9
-"""Of the samples: changes of speed are judged by this quantile, which neither spikes nor a long rest determine."""
+QUANTILE = 0.9
+"""Changes of speed are judged by this quantile of theirs, which neither spikes nor a long rest determine."""
 
 
 def evenly_stamped(recording: Recording) -> Recording:
@@ -55,4 +55,4 @@ def _roughness(time: Array, x: Array) -> Array:
     """How much speeds of positions (N, n) change from sample to sample, (n,); 0 for a column without numbers."""
     change = np.abs(np.diff(np.diff(x, axis=0) / np.diff(time)[:, None], axis=0))
     known = [column[np.isfinite(column)] for column in change.T]
-    return np.array([np.quantile(column, SHARE) if column.size else 0.0 for column in known])
+    return np.array([np.quantile(column, QUANTILE) if column.size else 0.0 for column in known])

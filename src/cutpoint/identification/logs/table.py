@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import CutpointError, InputError, those_that_exist
 from cutpoint.identification.logs.units import name_and_unit
+from cutpoint.simulation.log.files import LARGEST_FILE
 
 Array = NDArray[np.float64]
-
-LARGEST_FILE = 1_000_000_000
-"""Bytes of a log file, and of the arrays it unpacks to: as for our own logs."""
 
 SHOWN = 4
 """Largest number of channels without numbers that a message names."""

@@ -17,7 +17,7 @@ from cutpoint.identification.output.numbers import Number, Path
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive, Harmonic
 
-NOTHING = float("nan")
+UNKNOWN = float("nan")
 
 LEVEL = 0.95
 """Confidence level of the intervals."""
@@ -55,14 +55,14 @@ class _Rows:
         name: str,
         found: tuple[float, float],
         path: Path,
-        prior: float = NOTHING,
+        prior: float = UNKNOWN,
         thing: str = "",
         scale: float = 1.0,
     ) -> Number:
         """found: value and standard deviation.  thing: key in `why`.  Without a path the model does not use it."""
         value, reach = found[0], self.margin * found[1]
         why = self.why.get(thing, "")
-        used = (prior if why else value) if path else NOTHING
+        used = (prior if why else value) if path else UNKNOWN
         unit = UNITS.get(name, "rad")
         return Number(
             self.joint, name, unit, value, value - reach, value + reach, used, prior, not why, why, path, scale
@@ -132,7 +132,7 @@ def _waves(rows: _Rows, spring: SpringEstimate, stated: Mapping[int, float]) -> 
             f"kinematic error, order {wave.order}",
             (float(wave.amplitude), deviation),
             path,
-            stated.get(wave.order, NOTHING),
+            stated.get(wave.order, UNKNOWN),
             "kinematic_error",
         )
         for wave, deviation, path in zip(
@@ -160,4 +160,4 @@ def _loops(rows: _Rows, spring: SpringEstimate, stated: float) -> list[Number]:
 
 def _stated(part: Any, name: str) -> float:
     value = getattr(part, name, None)
-    return NOTHING if value is None else float(value)
+    return UNKNOWN if value is None else float(value)

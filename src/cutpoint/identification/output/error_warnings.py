@@ -19,7 +19,7 @@ POOR = 0.5
 TURNED = -0.8
 """Correlation of a torque with the files' model: below, a sign is reversed; noise or wrong masses do not cause it."""
 
-SMALL = 0.02
+LEAST_ERROR_SHARE = 0.02
 """Share of the torque itself: a smaller error is not mentioned, whichever model is better."""
 
 MORE = 1.05
@@ -39,7 +39,7 @@ UNEVEN = 1.1
 STEADY = 0.5
 """Share of the squared held-out error: a larger one of its mean is named."""
 
-MOST = 0.5
+MOST_OF_ERROR = 0.5
 """Share of the squared error that counts as most of it."""
 
 
@@ -66,8 +66,8 @@ def _of_all(errors: TorqueErrors) -> list[str]:
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     """Joints with most of their error at rest, in one sentence."""
     times, squares = errors.resting()
-    is_large = errors.rms("after", held_out=True) > SMALL * errors.size()
-    found = [j for j in range(len(joints)) if is_large[j] and squares[j] > max(MOST, UNEVEN * times[j])]
+    is_large = errors.rms("after", held_out=True) > LEAST_ERROR_SHARE * errors.size()
+    found = [j for j in range(len(joints)) if is_large[j] and squares[j] > max(MOST_OF_ERROR, UNEVEN * times[j])]
     if not found:
         return []
     which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)
@@ -77,7 +77,7 @@ def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
-    is_large = held > SMALL * errors.size()[j]
+    is_large = held > LEAST_ERROR_SHARE * errors.size()[j]
     notes: list[str] = []
     if fitted > POOR * errors.size()[j]:
         what = f"the model misses its torque by {fitted:.3g} {unit} RMS, out of {errors.size()[j]:.3g}"
@@ -98,7 +98,7 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
     drift = float(errors.drift()[j])
-    if abs(drift) > max(DRIFTS * fitted, SMALL * errors.size()[j]):
+    if abs(drift) > max(DRIFTS * fitted, LEAST_ERROR_SHARE * errors.size()[j]):
         what = f"{abs(drift):.3g} {unit} {'more' if drift > 0.0 else 'less'}"
         remedy = "as if warming up: the result lies in between; record it warm, or for a shorter time"
         notes.append(f": friction takes {what} at the end of the log than at its beginning, {remedy}")

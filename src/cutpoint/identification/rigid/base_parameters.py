@@ -29,7 +29,7 @@ TOLERANCE = 1e-5
 """Share of a dependent column's length that the others may leave unexplained.  Robot files round angles: what axes that
 are parallel but for rounding would reveal, no log shows."""
 
-NOTHING = 1e-6
+ROUNDED_SHARE = 1e-6
 """Share of a column's length below which it is such rounding, and is set to zero."""
 
 ROWS = 4
@@ -100,7 +100,7 @@ def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> 
     scaled = np.where(felt, W, 0.0) / np.where(felt, length, 1.0)
     kept = _independent(scaled, _preferred(robot, W.shape[1]))
     share = np.linalg.lstsq(scaled[:, kept], scaled)[0]
-    share[np.abs(share) < NOTHING] = 0.0
+    share[np.abs(share) < ROUNDED_SHARE] = 0.0
     share[:, kept] = np.eye(len(kept))
     matrix = share * np.where(felt, length, 0.0) / length[kept, None]
     return BaseParameters(_names(robot, counted), kept, matrix, robot, counted)

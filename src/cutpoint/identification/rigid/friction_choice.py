@@ -33,7 +33,7 @@ STRIBECKS = np.geomspace(0.02, 2.0, 5)
 
 ASYMMETRIES = (-0.3, -0.1, 0.1, 0.3)
 
-NEAR = 0.3
+FIRST_STEP = 0.3
 """First step of the search for the best shape, in logarithms."""
 
 TRIALS = 20
@@ -222,7 +222,7 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
         return trial.misfit(found[-1])
 
     start = np.zeros(len(names))
-    steps = np.vstack([start, NEAR * np.eye(start.size)])
+    steps = np.vstack([start, FIRST_STEP * np.eye(start.size)])
     options = {"maxfev": TRIALS, "xatol": 1e-2, "fatol": 0.0, "initial_simplex": steps}
     minimize(misfit, start, method="Nelder-Mead", options=options)
     return found

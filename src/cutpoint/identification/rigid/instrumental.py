@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import InputError
-from cutpoint.identification.rigid.least_squares import ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
+from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
 from cutpoint.identification.rigid.regression import Regression, triangle
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
@@ -41,7 +41,7 @@ def instrumental_variables(
         raise InputError(f"instruments of shape {instruments.shape} {rule}", shape=instruments.shape)
     check_size(regression)
     noise = np.ones(regression.torque.shape[1])
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         _, R, z = _second_stage(regression, instruments, noise)
         residuals = regression.residuals(solved(R, z)[0])
         before, noise = noise, np.maximum(np.sqrt(np.mean(residuals**2, axis=0)), np.finfo(float).tiny)

@@ -26,7 +26,7 @@ EDGE = 1.345
 NEARBY = 11
 """Rows over which residuals have similar sizes."""
 
-ROUNDS = 50
+MOST_ROUNDS = 50
 SETTLED = 1e-6
 """Reweighting ends when no joint's noise changes by more than this share of itself."""
 
@@ -139,7 +139,7 @@ def huber_weights(regression: Regression) -> tuple[Array, Array]:
     """Weights (M, n) that bound each residual's influence, and the noise (n,) without outliers."""
     noise, values = _weighted(regression)
     weights, least = np.ones_like(regression.torque), _rounding(np.linalg.norm(regression.torque, axis=0))
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         residuals = regression.residuals(values)
         before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, least)
         size = np.abs(residuals) / noise
@@ -160,7 +160,7 @@ def _weighted(regression: Regression) -> tuple[Array, Array]:
     """Each joint's noise (n,) and the parameters, from only the joints' triangles."""
     factors, rows = regression.factors, len(regression.times)
     noise, values = np.ones(len(factors)), np.zeros(factors.shape[2] - 1)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         values = solved(*split(triangle((factors / noise[:, None, None]).reshape(-1, factors.shape[2]))))[0]
         before, noise = noise, np.linalg.norm(factors @ [*-values, 1.0], axis=1) / np.sqrt(rows)
         noise = np.maximum(noise, _rounding(np.linalg.norm(factors[:, :, -1], axis=1)))

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Solver = Literal["lmi", "lmi_trace", "log_cholesky"]
 SOLVERS = get_args(Solver)
 
-NOTHING = 1e-6
+SOLVERS_ZERO = 1e-6
 """Share of friction's usual size: solvers stop this close to zero."""
 
 
@@ -44,7 +44,7 @@ def physical(fit: Fit, solver: Solver) -> Physical:
     """
     unknowns = log_cholesky.solve(fit) if solver == "log_cholesky" else cones.solve(fit, entropic=solver == "lmi")
     X, rotors, others = fit.unpacked(unknowns)
-    others = fit.sums @ (np.where(fit.positive & (others < NOTHING), 0.0, others) * fit.sizes)
+    others = fit.sums @ (np.where(fit.positive & (others < SOLVERS_ZERO), 0.0, others) * fit.sizes)
     inertial, rotors = fit.bodies.parameters(X), np.maximum(rotors, 0.0) * fit.scale
     found = np.concatenate([fit.base.matrix @ np.concatenate([inertial, rotors]), others])
     return Physical(inertial, rotors, others, found)

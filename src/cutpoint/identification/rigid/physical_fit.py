@@ -15,9 +15,9 @@ Array = NDArray[np.float64]
 LOOSE = 20.0
 """Spread of friction or an offset about the file's, times its usual size.  It hardly affects determined ones."""
 
-NEAR = 0.2
-"""The same if the file states it and the log does not determine it, but possibly its sum with others; times the file's
-value if that is less."""
+TIGHT = 0.2
+"""Spread, likewise, of what the file states and the log determines in a sum with others at most; times the file's value
+if that is less."""
 
 LEAST = 1e-3
 """Least spread, times the usual size, for the solvers' sake."""
@@ -87,7 +87,7 @@ def fit_of(
     more = sums - np.eye(sizes.size)
     prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
     # a file without static friction means that it equals the friction in motion
-    near = NEAR * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
+    near = TIGHT * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)

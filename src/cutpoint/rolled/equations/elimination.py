@@ -6,7 +6,7 @@ from typing import Any
 from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.articulated import Articulated
 from cutpoint.mechanics.bodies.joints import dot
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Wrench
+from cutpoint.mechanics.bodies.spatial import IDENTITY, NO_WRENCH, ZERO, Pose
 from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
 from cutpoint.rolled.algorithms.forward import eliminate, turned_pose
@@ -26,8 +26,6 @@ from cutpoint.scalars import Scalar, minimum
 
 UNLIMITED = 1e300
 """More than any inertia."""
-
-NOTHING = Wrench(ZERO, ZERO)
 
 
 def elimination(columns: Columns) -> tuple[Steps, Kept]:
@@ -50,7 +48,7 @@ def elimination(columns: Columns) -> tuple[Steps, Kept]:
 
     def eliminates(row: Any, turned: Any, inertia: Any, carrier: Any) -> tuple[list[Scalar], Scalar, list[Scalar]]:
         own = along(row, turned)
-        left, _, step = eliminate(own, articulated_of(inertia), NOTHING, 1, articulated_of(carrier), NOTHING)
+        left, _, step = eliminate(own, articulated_of(inertia), NO_WRENCH, 1, articulated_of(carrier), NO_WRENCH)
         numbers = [*step.axis, *step.share, step.own, *own.body.placement.position]
         return numbers, 1 / step.own, packed_inertia(left)
 

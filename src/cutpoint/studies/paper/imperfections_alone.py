@@ -11,11 +11,11 @@ from cutpoint.studies.paper.stand_in import StandIn
 
 SEEDS = range(10)
 
-NOTHING = "none: the plant is the model"
+NO_FAULT = "none: the plant is the model"
 RINGING = "encoders and delay together"
 
 CASES: dict[str, Imperfections] = {
-    NOTHING: Imperfections(),
+    NO_FAULT: Imperfections(),
     "masses, centroids, moments of inertia": ALL.only("mass", "centroid", "moment"),
     "stiffness": ALL.only("stiffness"),
     "friction: how much": ALL.only("friction"),
@@ -55,7 +55,7 @@ def table(alone: Alone) -> Table:
 
 def largest(alone: Alone) -> dict[str, tuple[str, float]]:
     """By error and joint: the single imperfection that makes most of it, and how much."""
-    names = [name for name in alone if name not in (NOTHING, RINGING)]
+    names = [name for name in alone if name not in (NO_FAULT, RINGING)]
     found = {}
     for i, error in enumerate(("position", "torque")):
         for joint in range(2):

@@ -8,7 +8,7 @@ from cutpoint.reporting.page import Page, Picture, Table, listed, number
 from cutpoint.studies.paper.bench import PERIOD, Bench
 from cutpoint.studies.paper.figure_12 import figure_12
 from cutpoint.studies.paper.imperfections import ALL, ORDERS
-from cutpoint.studies.paper.imperfections_alone import NOTHING, RINGING, Alone, largest, run_alone, table
+from cutpoint.studies.paper.imperfections_alone import NO_FAULT, RINGING, Alone, largest, run_alone, table
 from cutpoint.studies.paper.printed import DURATION_5, GOAL_5, TABLE_5_PEAK, TABLE_5_POSITION, TABLE_5_TORQUE
 from cutpoint.studies.paper.stand_in import KP, Run, StandIn, nearest_to_median
 from cutpoint.studies.paper.stand_in_figures import figure_13, figure_14
@@ -98,7 +98,7 @@ def _readings(alone: Alone) -> tuple[str, ...]:
     ringing, steady = alone[RINGING][1, 1], alone["delay"][1, 1]
     return (
         f"What makes most of each RMS error when alone (deg, N m): {'; '.join(most)}. Without any imperfection "
-        f"{number(alone[NOTHING][0].max(), 5)}° are left. The kinematic error weighs on joint 2 because the motor "
+        f"{number(alone[NO_FAULT][0].max(), 5)}° are left. The kinematic error weighs on joint 2 because the motor "
         "bears what it makes of the spring's torque, τ_{f} de/dθ, and joint 2 carries the arm. Rotor inertia and drive "
         "damping do not matter at this pace. A wrong stiffness and friction on the other side hardly show in the "
         "torque, yet bend the drive by what the model does not foresee: only a link-side encoder would see that error. "
