@@ -52,7 +52,3 @@ def _say(style: str, kind: str, message: str) -> None:
     from rich.markup import escape
 
     Console(stderr=True, emoji=False).print(f"[{style}]{kind}:[/] {escape(message)}", highlight=False)
-
-
-if __name__ == "__main__":
-    main()

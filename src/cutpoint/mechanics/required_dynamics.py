@@ -65,7 +65,7 @@ def required_wrenches(
     a_r: Scalars,
     gains: Sequence[Gain] | None,
 ) -> list[Wrench]:
-    """Net wrench of each body for its required motion, with velocity feedback by K.  Xia (2019) eqs. (15)-(17), (50)."""
+    """Net wrench of each body for its required motion, with velocity feedback.  Xia (2019) eqs. (15)-(17), (50)."""
     F_r = net_wrenches(system, required, v_r, a_r, actual)
     if gains is None:
         return F_r
