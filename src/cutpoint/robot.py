@@ -208,10 +208,11 @@ class Robot:
     def inverse_dynamics(
         self, q: ArrayLike, v: ArrayLike, a: ArrayLike, external: Mapping[str, ArrayLike] | None = None
     ) -> Array:
-        """Joint torques (..., nv) of a motion: M a + bias.  Xia (2019) eqs. (29)-(31), (44)-(47).
+        """Joint torques (..., nv), N m (N), of a motion: M a + bias.  Xia (2019) eqs. (29)-(31), (44)-(47).
 
-        external: wrenches [force; moment] (..., 6) that act on the robot, by frame name, in that frame's axes.  The
-        rotor of a rigid drive counts as armature; friction does not count.
+        q (..., nq), rad (m); v and a (..., nv), rad/s and rad/s2 (m/s, m/s2).  external: wrenches [force; moment]
+        (..., 6), N and N m, that act on the robot at a frame's origin, along its axes, by the frame's name.  The rotor
+        of a rigid drive counts as armature; friction does not count.
         """
         if external is None:
             return self._functions["inverse_dynamics"](q, v, a)
@@ -220,16 +221,17 @@ class Robot:
     def forward_dynamics(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, external: Mapping[str, ArrayLike] | None = None
     ) -> Array:
-        """Accelerations (..., nv) under joint torques tau (..., nv).  Featherstone (2008) section 7.3.
+        """Accelerations (..., nv), rad/s2 (m/s2), under joint torques.  Featherstone (2008) section 7.3.
 
-        external: as in `inverse_dynamics`.
+        q (..., nq), rad (m); v (..., nv), rad/s (m/s); tau (..., nv), N m (N); external as in `inverse_dynamics`.
+        Raises ModelError if a joint moves no inertia.
         """
         if external is None:
             return self._functions["forward_dynamics"](q, v, tau)
         return self._under_wrenches("forward_dynamics", (q, v, tau), external)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """M(q), (..., nv, nv), kg m2.  Featherstone (2008) section 6.2."""
+        """M(q), (..., nv, nv), kg m2 (kg m, kg).  Featherstone (2008) section 6.2."""
         return self._functions["mass_matrix"](q)
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
@@ -243,7 +245,8 @@ class Robot:
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         """C(q, v), (..., nv, nv): the sum of the bodies' C(omega), Xia (2019) eq. (61); M' - 2 C is skew symmetric.
 
-        Of the many C with C v = Coriolis and centrifugal torques this is the one of virtual decomposition.
+        N m (N) for each rad/s (m/s).  Of the many C with C v = Coriolis and centrifugal torques this is the one of
+        virtual decomposition.
         """
         return self._functions["coriolis_matrix"](q, v)
 
@@ -268,8 +271,9 @@ class Robot:
         return frozen(np.array(rows, dtype=np.float64))
 
     def jacobian(self, q: ArrayLike, frame: str, expressed_in: ExpressedIn = "local") -> Array:
-        """(..., 6, nv): a frame's velocity [linear; angular] for each speed.  Xia (2019) eqs. (37)-(38).
+        """(..., 6, nv): a frame's velocity [linear; angular], m/s and rad/s, for each speed of one rad/s (m/s).
 
+        Xia (2019) eqs. (37)-(38).  frame: the name of one of `frames`; InputError lists them for any other.
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
         """
@@ -281,7 +285,7 @@ class Robot:
         return made(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
-        """(..., 4, 4): pose of a frame: maps its coordinates (m) to those of the world."""
+        """(..., 4, 4): pose of a frame, by its name: maps its coordinates (m) to those of the world."""
         made = self._known(("frame_pose", frame))
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))
