@@ -247,8 +247,8 @@ def test_five_lost_samples_are_bridged_however_uneven_times_are(
 def test_a_recording_made_in_python_is_suspected_as_a_file_is(files: Path, tmp_path: Path):
     odd = channels() | {"v": np.degrees(motions()[1])}
     logs = Recording(TIME, ("shoulder", "elbow"), **odd), write_log(tmp_path / "log.csv", odd)
-    notes = [identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").notes for log in logs]
-    said = [[note for note in each if "times the rate of q" in note] for each in notes]
+    doubts = [identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").doubts for log in logs]
+    said = [[doubt for doubt in each if "times the rate of q" in doubt] for each in doubts]
     assert len(said[0]) == 2 and said[0] == said[1]
     far = Recording(TIME, ("shoulder", "elbow"), **(channels() | {"q": np.degrees(channels()["q"])}))
     with pytest.raises(InputError, match=r"far beyond its limits; this looks like degrees"):
