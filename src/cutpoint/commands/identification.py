@@ -168,7 +168,7 @@ def identify(
 
     First run a motion from cutpoint excite on the machine and record positions, of motor and link if both have
     encoders, and torques or currents.  If the log is in degrees, counts or percent, or at the motor's shaft, say so in
-    a mapping file: see docs/identification.md.
+    a mapping file: see docs/log-mapping.md.
     """
     from cutpoint.identification.output import identify as identified
     from cutpoint.identification.output.saving import FILES, check_folder, file_notes
