@@ -69,8 +69,10 @@ def test_a_simulated_law_may_have_a_guard(tmp_path: Path) -> None:
     whole = robots.XIA2019_DRIVES.read_text("utf-8")
     drives.write_text(whole.replace("  ratio: 100\n", "  ratio: 100\n  limits: {velocity: 2.0}\n", 1), "utf-8")
     move = ["--to", "2,0,0,0,0,0", "--duration", "0.8", "--law", "PD", "--guard"]
-    printed("simulate", str(robots.XIA2019_URDF), "--drives", str(drives), *move, "--output", str(log))
-    assert control.Fault.SPEED in Log.load(log)["fault"]
+    said = printed("simulate", str(robots.XIA2019_URDF), "--drives", str(drives), *move, "--output", str(log))
+    run = Log.load(log)
+    assert control.Fault.SPEED in run["fault"]
+    assert f"note: the guard found a fault, speed, at {run.time[run['fault'] > 0][0]:.4g} s" in said
 
 
 def test_a_law_that_does_not_exist_is_told_those_that_do() -> None:

@@ -209,13 +209,24 @@ def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
 
 
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
-    """A sentence for each limit that a run met."""
+    """A sentence for a guard's fault, and for each limit that a run met."""
+    yield from _fault_of(log)
     yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
     most, units = efforts_of(robot), at_joints(robot, "N m")
     for name, share in log.meta.get("over_limit", {}).items():
         limit = f"its limit of {most[name]:.4g} {units[name]}" if np.isfinite(most[name]) else "its voltage allows"
         yield f"{name} is asked for more than {limit} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
+
+
+def _fault_of(log: "Log") -> Iterator[str]:
+    """A sentence for the first fault of a run under a guard, if there is one."""
+    from cutpoint.control import Fault
+
+    if "fault" in log.channels and log["fault"].any():
+        first = np.flatnonzero(log["fault"])[0]
+        kind = Fault(int(log["fault"][first])).name.lower()
+        yield f"the guard found a fault, {kind}, at {log.time[first]:.4g} s: what follows is its reaction"
 
 
 def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
