@@ -21,7 +21,7 @@ from cutpoint.identification.logs import mat_nesting, read_mat, read_npz
 from cutpoint.identification.logs import table as tables
 
 REFUSED = {
-    ".csv": "first line '' must name the columns|file is not UTF-8 text|file holds 0 samples",
+    ".csv": "file holds no line that names the columns|file is not UTF-8 text|file holds 0 samples",
     ".npz": "file is not a readable archive of NumPy arrays",
     ".mat": "file is not a readable MATLAB file",
     ".parquet": "file is not a readable Parquet file",

@@ -77,11 +77,11 @@ def test_code_for_frames_is_as_long_for_ten_bodies_as_for_a_thousand(key: Any, k
 @pytest.mark.parametrize("key", FRAMES)
 def test_only_frames_far_out_are_found_by_loops(key: Any) -> None:
     """However large the robot is: code without loops knows only the bodies that carry the frame."""
-    machine, above = machine_of(chain(200), {}), RECIPES[key].above
+    machine, most = machine_of(chain(200), {}), RECIPES[key].most_bodies
     name, *way = key
-    assert suited_to((name, f"link{above - 1}", *way), machine, "llvm") is None
-    assert suited_to((name, f"link{above}", *way), machine, "llvm") is not None
-    assert suited_to((name, f"link{above}", *way), machine, "numpy") is None
+    assert suited_to((name, f"link{most - 1}", *way), machine, "llvm") is None
+    assert suited_to((name, f"link{most}", *way), machine, "llvm") is not None
+    assert suited_to((name, f"link{most}", *way), machine, "numpy") is None
 
 
 def test_a_function_of_frames_that_loops_has_no_kernel() -> None:
