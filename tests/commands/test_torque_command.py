@@ -1,6 +1,7 @@
 """`cutpoint torque`."""
 
 import itertools
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from command_runs import printed, saved
 from typer.testing import CliRunner
 
 import cutpoint
-from cutpoint import InputError, Log, robots
+from cutpoint import InputError, Log, ModelError, robots
 from cutpoint.commands import app
 
 
@@ -95,3 +96,19 @@ def test_what_is_to_be_done_about_coarse_samples_names_the_option(tmp_path: Path
         CliRunner().invoke(app, ["torque", "xia2019", str(path)], catch_exceptions=False)
     with pytest.raises(InputError, match=r"bandwidth 50.0 Hz \(--smoothing\) must lie between"):
         CliRunner().invoke(app, ["torque", "xia2019", str(path), "--smoothing", "50"], catch_exceptions=False)
+
+
+def test_what_the_robot_carries_is_a_point_mass_in_the_frame_that_a_note_names(tmp_path: Path) -> None:
+    at = ["xia2019", "--q", "0,30,60,0,45,0", "--degrees", "--carry", "2", "0.05", "0", "0.1"]
+    found = saved(tmp_path, "torque", *at)
+    heavy = robots.xia2019().with_payload(2.0, [0.05, 0.0, 0.1], np.zeros((3, 3)), "tool")
+    expected = heavy.gravity_forces(np.radians([0, 30, 60, 0, 45, 0]))
+    np.testing.assert_allclose([joint["gravity"] for joint in found["joints"].values()], expected, rtol=1e-12, atol=0)
+    assert "note: carries 2 kg, at 0.05, 0, 0.1 m in the frame 'tool'" in printed("torque", *at)
+
+
+@pytest.mark.parametrize("mass", ["-1", "nan"])
+def test_a_payload_without_a_mass_is_refused(mass: str) -> None:
+    refused = CliRunner().invoke(app, ["torque", "xia2019", "--q", "0,0,0,0,0,0", "--carry", mass, "0", "0", "0"])
+    assert isinstance(refused.exception, ModelError)
+    assert re.match("link 'payload': mass.* must", str(refused.exception))

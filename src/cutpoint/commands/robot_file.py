@@ -7,12 +7,14 @@ from inspect import Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import check_apart
+from cutpoint.commands.shared import check_apart, say_notes
 from cutpoint.errors import InputError
 from cutpoint.model.holding import Degrees
+from cutpoint.model.tool import tool_frame_of
 
 FILE = "URDF, xacro or MJCF file, or xia2019, the paper's arm."
 _PANEL = "Robot"
@@ -53,6 +55,10 @@ class RobotFile:
         tuple[float, float, float] | None,
         _option(metavar="X Y Z", help="Gravity in the world's frame, m/s2; default: 0 0 -9.81, or an MJCF file's."),
     ] = None
+    carry: Annotated[
+        tuple[float, float, float, float] | None,
+        _option(metavar="KG X Y Z", help="A payload: its mass, and where it is in the tool's frame, m, as a point."),
+    ] = None
     mend_inertia: Annotated[
         bool,
         _option(
@@ -72,10 +78,10 @@ class RobotFile:
             raise InputError(told, path=path)
         if str(path) == "xia2019":
             path, drives = cutpoint.robots.XIA2019_URDF, drives or cutpoint.robots.XIA2019_DRIVES
-        return cutpoint.load(
+        return self._carrying(cutpoint.load(
             path, drives, mimic=self.mimic, lock=self._places(degrees), gravity=self.gravity,
             mend_inertia=self.mend_inertia, xacro=self.arguments, floating_base=floating_base,
-        )  # fmt: skip
+        ))  # fmt: skip
 
     @property
     def given(self) -> list[str]:
@@ -94,6 +100,15 @@ class RobotFile:
                 raise InputError(f"--xacro {argument!r} must be NAME:=VALUE, such as ur_type:=ur10e", argument=argument)
             arguments[name] = value
         return arguments
+
+    def _carrying(self, robot: cutpoint.Robot) -> cutpoint.Robot:
+        """The robot with its payload, and a note on the frame that holds it.  Raises InputError and ModelError."""
+        if self.carry is None:
+            return robot
+        (mass, *point), frame = self.carry, tool_frame_of(robot.mechanism)
+        held = robot.with_payload(mass, point, np.zeros((3, 3)), frame)
+        say_notes([f"carries {mass:g} kg, at {', '.join(f'{x:g}' for x in point)} m in the frame {frame!r}"])
+        return held
 
     def _places(self, degrees: bool) -> dict[str, float]:
         """Where joints are locked.  Raises InputError."""
