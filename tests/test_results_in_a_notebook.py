@@ -5,7 +5,7 @@ import pytest
 
 import cutpoint
 from cutpoint.analysis import frequency_response
-from cutpoint.control import VDC, tune
+from cutpoint.control import VDC, margins, tune
 from cutpoint.studies.sizing import sizing
 from cutpoint.trajectories import cycloid
 
@@ -44,3 +44,11 @@ def test_limits_in_force_are_the_tighter_of_joint_and_drive() -> None:
     assert [*weak.limits] == [*ARM.joints]
     assert (weak.limits["joint2"].effort, weak.limits["joint2"].velocity) == (1.0, 2.0)
     assert ARM.limits["joint2"].effort == np.inf
+
+
+def test_margins_are_a_line_for_each_joint() -> None:
+    found = margins(ARM, tune(ARM, 4.0), np.zeros(6), 1e-3)
+    head, *rows = repr(found).splitlines()
+    assert head.split("  ")[0] == "joint" and "delay, ms" in head
+    numbers = np.array([[float(x) for x in row.split()[1:]] for row in rows])
+    np.testing.assert_allclose(numbers, np.array(found).T * [1, 1, 1, 1e3, 1], rtol=5e-3)

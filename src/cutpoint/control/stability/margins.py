@@ -61,6 +61,13 @@ class Margins(NamedTuple):
     delay: Array
     sensitivity: Array
 
+    def __repr__(self) -> str:
+        """A line for each joint, by its number."""
+        rows = zip(self.gain, self.least_gain, self.phase, 1e3 * self.delay, self.sensitivity, strict=True)
+        lines = [f"{k:5} " + "".join(f"{x:>13.3g}" for x in row) for k, row in enumerate(rows)]
+        heads = ("gain", "least gain", "phase, deg", "delay, ms", "sensitivity")
+        return "\n".join(["joint " + "".join(f"{head:>13}" for head in heads), *lines])
+
 
 def margins(
     robot: Robot, law: Control, q: ArrayLike, control_period: float, *, sensors: Sensors | None = None
