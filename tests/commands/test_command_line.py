@@ -109,6 +109,7 @@ PANDA = str(urdf("panda.urdf"))
         ("modes", "xia2019"),
         ("simulate", "xia2019", "--to", "0.01,0,0,0,0,0", "--duration", "0.5"),
         ("drive",),
+        ("check", "xia2019", "--to", "0.01,0,0,0,0,0", "--duration", "0.5"),
     ],
     ids=lambda arguments: " ".join(Path(x).name for x in arguments),
 )
@@ -137,6 +138,16 @@ def test_a_table_is_no_wider_than_its_place_and_loses_nothing(width: int) -> Non
     assert max(map(len, shown.splitlines())) <= width
     assert (set(text.split()) <= set(shown.split())) == (width >= 33)
     assert all(shown.count(digit) == text.count(digit) for digit in "012457")
+
+
+@pytest.mark.parametrize("width", [80, 40, 20])
+def test_a_line_that_is_kept_whole_is_broken_and_not_cut_where_it_does_not_fit(width: int) -> None:
+    table, written = Table(Column("drive", no_wrap=True), Column("peak"), Column("verdict", no_wrap=True)), StringIO()
+    for column in table.columns:
+        column.overflow = "fold"
+    table.add_row("left_shoulder_pitch_and_roll_joint_01234567", "89 of 89", "holds")
+    print_table(table, Console(width=width, file=written))
+    assert [written.getvalue().count(digit) for digit in "0123456789"] == 8 * [1] + 2 * [2]
 
 
 @pytest.mark.parametrize(

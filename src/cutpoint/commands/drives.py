@@ -60,7 +60,7 @@ def check(
         say_path("numbers saved", json)
     if plot:
         keep_picture(found.plot(), plot)
-    console.print(table_of(found))
+    print_table(table_of(found), console)
     for sentence in sentences(found):
         console.print(sentence, highlight=False)
     if not found.holds:

@@ -30,8 +30,9 @@ def narrow(table: Table, console: Console) -> None:
         spare = [width if width > size.minimum else 0 for width, size in zip(widths, sizes, strict=True)]
         widest = spare if any(spare) else widths
         widths[widest.index(max(widest))] -= 1
-    for column, width in zip(table.columns, widths, strict=True):
-        column.width = width
+    for column, width, size in zip(table.columns, widths, sizes, strict=True):
+        # a line that is kept whole where there is no room for it would lose its end
+        column.width, column.no_wrap = width, column.no_wrap and width >= size.minimum
 
 
 def _excess(table: Table, console: Console) -> int:
