@@ -7,6 +7,7 @@ import zipfile
 import zlib
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 from secrets import token_hex
 from tokenize import TokenError
@@ -122,5 +123,9 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
 
 def save_figure(figure: Any, path: Path) -> None:
     """Saves a matplotlib figure in the format of the path's suffix, atomically as in `replacing`."""
-    with replacing(path) as file:
-        figure.savefig(file, format=path.suffix.removeprefix("."))
+    settings: Any = import_module("matplotlib").rc_context  # slow to import
+
+    # neither the time nor names by chance: the same figure gives the same file
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
+    with replacing(path) as file, settings({"svg.hashsalt": "cutpoint"}):
+        figure.savefig(file, format=path.suffix.removeprefix("."), metadata=undated)

@@ -150,6 +150,15 @@ def test_a_line_that_is_kept_whole_is_broken_and_not_cut_where_it_does_not_fit(w
     assert [written.getvalue().count(digit) for digit in "0123456789"] == 8 * [1] + 2 * [2]
 
 
+def test_a_picture_of_lines_has_no_date_and_is_the_same_each_time(tmp_path: Path) -> None:
+    for kind in ("svg", "pdf"):
+        first, second = (tmp_path / f"{name}.{kind}" for name in ("first", "second"))
+        for path in (first, second):
+            printed("simulate", "xia2019", "--to", "0.01,0,0,0,0,0", "--duration", "0.5", "--plot", str(path))
+        assert first.read_bytes() == second.read_bytes()
+        assert not re.search(rb"CreationDate|dc:date", first.read_bytes())
+
+
 @pytest.mark.parametrize(
     ("command", "option"),
     [
