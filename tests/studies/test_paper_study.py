@@ -121,8 +121,9 @@ def test_whatever_a_page_says_is_text_and_not_markup():
     assert "script" not in found.tags
 
 
-def test_marks_become_subscripts_in_the_report_and_vanish_elsewhere():
+def test_marks_become_tags_in_the_report_and_subscripts_vanish_elsewhere():
     assert "K<sub>f0</sub> = 10<sup>−3</sup>" in html(Heading("", "", ()), [Page("k", "K_{f0} = 10^{−3}", ())], {}, {})
+    assert "as <code>a &lt; b</code> has it" in html(Heading("", "as `a < b` has it", ()), [], {}, {})
     assert plain("K_{f0} = 2.5·10^{−3}") == "Kf0 = 2.5e−3"
 
 

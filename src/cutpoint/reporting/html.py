@@ -68,6 +68,7 @@ def _table(table: Table) -> str:
 
 
 def _text(words: str) -> str:
-    """Escaped text, with the marks for subscripts and superscripts turned into tags."""
+    """Escaped text, with the marks for subscripts, superscripts and code turned into tags."""
     tags = {"_": "sub", "^": "sup"}
-    return re.sub(r"([_^])\{([^}]*)\}", lambda m: f"<{tags[m[1]]}>{m[2]}</{tags[m[1]]}>", escape(words))
+    text = re.sub(r"([_^])\{([^}]*)\}", lambda m: f"<{tags[m[1]]}>{m[2]}</{tags[m[1]]}>", escape(words))
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", text)

@@ -39,7 +39,7 @@ class Picture:
 
 
 Block = str | Table | Picture
-"""A paragraph, a table or a picture.  In text, _{x} is a subscript and ^{x} a superscript."""
+"""A paragraph, a table or a picture.  In text, _{x} is a subscript, ^{x} a superscript and `x` code."""
 
 
 @dataclass(frozen=True, eq=False)
