@@ -1,5 +1,7 @@
 """Recorded channels of a run."""
 
+import io
+import itertools
 import json
 import os
 import sys
@@ -13,6 +15,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from matplotlib.image import imread
+from matplotlib.text import Text
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.simulation import simulate
@@ -287,6 +291,39 @@ def test_the_legend_lies_within_the_picture_whatever_the_joints_are_called():
         assert whole.x0 <= box.x0 and box.x1 <= whole.x1 and whole.y0 <= box.y0 and box.y1 <= whole.y1
         # rows of names take nothing from the axes
         assert figure.axes[0].bbox.height > 1.2 * figure.dpi
+
+
+def test_titles_of_long_names_do_not_reach_into_the_next_axis():
+    joints = tuple(f"right_shoulder_pitch_and_roll_joint_{k}" for k in range(3))
+    figure = Log(np.arange(2.0), {"position_error": np.zeros((2, 3))}, {"position_error": "rad"}, joints).plot(
+        "position_error"
+    )
+    figure.canvas.draw()
+    titles = [
+        text.get_window_extent()
+        for axis in figure.axes
+        for text in axis.findobj(lambda each: isinstance(each, Text) and "position_error" in each.get_text())
+    ]
+    assert len(titles) == 3
+    assert all(left.x1 < right.x0 for left, right in itertools.pairwise(titles)) and titles[-1].x1 < figure.bbox.x1
+
+
+def test_all_axes_show_all_of_the_time_also_where_a_channel_ends_early():
+    q, torque = np.zeros((5, 1)), np.where(np.arange(5) < 2, 1.0, np.nan)[:, None]
+    log = Log(1.7e9 + np.arange(5.0), {"q": q, "torque": torque}, {"q": "rad", "torque": "N m"}, ("joint",))
+    figure = log.plot()
+    figure.canvas.draw()
+    for axis in figure.axes:
+        assert axis.get_xlim() == (log.time[0], log.time[-1])
+        # times of a clock are long: what they have in common stands apart
+        assert all(len(label.get_text()) < 4 for label in axis.get_xticklabels())
+
+
+def test_a_single_sample_is_seen():
+    image = io.BytesIO()
+    Log([0.0], {"q": [[0.5]]}, {"q": "rad"}, ("joint",)).plot("q").savefig(image, format="png")
+    blue = imread(io.BytesIO(image.getvalue()))[..., :3] @ [-1.0, 0.0, 1.0] > 0.4
+    assert blue.any()
 
 
 def test_the_legend_draws_each_channel_as_its_curve_is_drawn():

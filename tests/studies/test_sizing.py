@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
+from matplotlib.text import Text
 from typer.testing import CliRunner
 
 import cutpoint
@@ -18,7 +19,7 @@ from cutpoint.commands import app
 from cutpoint.mechanics.drives.motor import shaft_torque, within_limits
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import UNLIMITED, Joint, JointKind, Link
-from cutpoint.robots import XIA2019_DRIVES
+from cutpoint.robots import XIA2019_DRIVES, XIA2019_URDF
 from cutpoint.studies.sizing import Sizing, duty, sizing
 from cutpoint.studies.sizing.table import sentences
 from cutpoint.trajectories import Trajectory, cycloid
@@ -432,6 +433,21 @@ def test_the_picture_explains_what_is_in_it_and_nothing_else():
     curves = {"what the gear exerts", "what the motor exerts", "gear, average"}
     assert explained[0] == curves
     assert explained[1] == curves | {"gear, rated", "zone of averages", "zone of starts and stops", "beyond a limit"}
+
+
+def test_a_joints_name_and_its_margin_do_not_cover_each_other_however_long(tmp_path: Path):
+    long = '"left_shoulder_pitch_and_roll_joint_'
+    (tmp_path / "arm.urdf").write_text(XIA2019_URDF.read_text(encoding="utf-8").replace('"joint', long))
+    arm = cutpoint.load(tmp_path / "arm.urdf")
+    arm = arm.with_drives(dict(zip(arm.joints, rated_arm().drives.values(), strict=True)))
+    figure = sizing(arm, PAPER_MOTION).plot()
+    figure.canvas.draw()
+    for axes in figure.axes:
+        texts = axes.findobj(lambda each: isinstance(each, Text) and long[1:-1] in each.get_text())
+        margins = axes.findobj(lambda each: isinstance(each, Text) and each.get_text().startswith("margin"))
+        (name,), (margin,) = ([each.get_tightbbox() for each in found] for found in (texts, margins))
+        assert name.y0 >= margin.y1 or name.x1 < margin.x0 or "\n" in texts[0].get_text()
+        assert name.x1 < axes.bbox.x1 + 0.1 * figure.dpi
 
 
 def test_every_mark_stands_within_its_panel_also_where_the_drive_only_brakes():

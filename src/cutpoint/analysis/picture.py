@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
 from cutpoint.analysis.modes import Modes
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import ACROSS, INK, LINK, MOTOR, STYLE, styled_figure
+from cutpoint.reporting.style import ACROSS, INK, LINK, MOTOR, STYLE, fit, styled_figure
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -43,7 +44,9 @@ def _drawn(modes: Modes) -> Figure:
     down = -(-len(joints) // ACROSS)
     across = -(-len(joints) // down)
     size = (0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down)
-    figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout="constrained")
+    # no space in parts of the picture's height, which would part a joint's two axes
+    layout = ConstrainedLayoutEngine(hspace=0.0)
+    figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout=layout)
     cells = figure.add_gridspec(down, across)
     for k, (joint, unit) in enumerate(zip(joints, modes.model.units, strict=True)):
         inner = cells[divmod(k, across)].subgridspec(2, 1, height_ratios=[2, 1])
@@ -73,7 +76,7 @@ def _magnitude(axes: Axes, response: FrequencyResponse, ratio: str) -> None:
     axes.set_ylim(max(float(np.quantile(np.r_[motor, link], 0.02)) / PEAK, top / 10**DECADES), top)
     _mark(axes, response.resonances, "v", 0.94)
     _mark(axes, response.antiresonances, "^", 0.06)
-    axes.set_title(response.joint, parse_math=False)
+    fit(axes.set_title(response.joint, parse_math=False), PANEL[0] - 0.6)
     axes.set_ylabel(ratio, fontsize="small")
     axes.tick_params(labelbottom=False, labelsize="small")
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 INK = "#1d1d1f"
 FAINT = "#8a8f98"
@@ -63,6 +64,18 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
         figure = draw()
         figure.draw_without_rendering()
         return figure
+
+
+def width_of(text: Text) -> float:
+    """Inches, as it will be drawn."""
+    figure: Any = text.get_figure()
+    return float(text.get_window_extent().width / figure.dpi)
+
+
+def fit(text: Text, width: float) -> None:
+    """Shrinks a text that is wider than this, in inches."""
+    if (found := width_of(text)) > width:
+        text.set_fontsize(float(text.get_fontsize()) * width / found)
 
 
 def png(figure: Figure) -> bytes:

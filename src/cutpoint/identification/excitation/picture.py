@@ -1,6 +1,6 @@
 """Figure of an excitation."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from cutpoint.identification.excitation.limits import Use
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.joint_units import at_joints
+from cutpoint.reporting.style import FAINT, MOTOR, STYLE, fit, styled_figure
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
+Bounds = tuple[float, float]
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 1.5
 """Inches."""
@@ -26,8 +28,13 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
     motion = trajectory.derivatives(time, 4)
     torque = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True).motor_torque
     stated = {(use.kind, use.name): (use.low, use.high) for use in limits}
+    return styled_figure(lambda: _drawn(robot, time, motion, torque, stated))
+
+
+def _drawn(robot: Robot, time: Array, motion: Array, torque: Array, stated: Mapping[tuple[str, str], Bounds]) -> Figure:
     rows = len(robot.joints)
-    figure = Figure(figsize=(0.6 + 3 * AXIS_WIDTH, 0.6 + AXIS_HEIGHT * rows), layout="constrained")
+    size = (0.6 + 3 * AXIS_WIDTH, 0.6 + AXIS_HEIGHT * rows)
+    figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout="constrained")
     axes = figure.subplots(rows, 3, sharex=True, squeeze=False)
     forces = at_joints(robot, "N m")
     for k, (name, unit) in enumerate(at_joints(robot, "rad").items()):
@@ -37,7 +44,7 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
         _draw(axes[k, 2], time, torque[:, k], 1.0, stated.get(("torque", name)))
         titles = (f"position [{shown}]", f"speed [{shown}/s]", f"motor torque [{forces[name]}]")
         for axis, title in zip(axes[k], titles, strict=True):
-            axis.set_title(f"{name}: {title}", loc="left", fontsize="medium", parse_math=False)
+            fit(axis.set_title(f"{name}: {title}", parse_math=False), AXIS_WIDTH - 0.5)
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     if limited := next((x for x in axes.flat if len(x.lines) > 1), None):
@@ -45,10 +52,9 @@ def figure_of(robot: Robot, trajectory: FourierSeries, limits: Sequence[Use]) ->
     return figure
 
 
-def _draw(axis: Axes, time: Array, values: Array, factor: float, allowed: tuple[float, float] | None) -> None:
-    axis.plot(time, values, linewidth=1.0)
+def _draw(axis: Axes, time: Array, values: Array, factor: float, allowed: Bounds | None) -> None:
+    axis.plot(time, values, color=MOTOR, linewidth=1.0)
     for bound in allowed or ():
-        axis.axhline(factor * bound, color="0.4", linewidth=0.8, linestyle="--")
+        axis.axhline(factor * bound, color=FAINT, linewidth=0.8, linestyle="--")
     axis.margins(x=0.0)
-    axis.grid(alpha=0.3)
     axis.ticklabel_format(useOffset=False)

@@ -13,11 +13,14 @@ from matplotlib.lines import Line2D
 
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import ACROSS, FAINT, JOINTS, STYLE, styled_figure
+from cutpoint.reporting.style import ACROSS, FAINT, JOINTS, STYLE, fit, styled_figure
 from cutpoint.simulation.log.log import Array, Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 """Inches."""
+
+TITLE_WIDTH = AXIS_WIDTH - 0.5
+"""Inches: what the labels of its ticks leave of an axis at least."""
 
 LEAST_HEIGHT = 1e-9
 """Of an axis, in its unit: what is smaller is rounding, which would fill it."""
@@ -79,10 +82,13 @@ def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[
     later = {words.label(line) for lines in axes.values() for line in lines[1:]} if dashed else set[str]()
     looks = _looks(words.labels)
     drawn: dict[str, Line2D] = {}
+    times = [line.times[end] for lines in axes.values() for line in lines for end in (0, -1)]
     for cell, ((unit, *_), lines) in zip(cells, axes.items(), strict=True):
         axis, title = figure.add_subplot(down, across, cell + 1), words.title(lines[0])
         drawn = _draw(axis, [(words.label(line), line) for line in lines], looks, later) | drawn
-        axis.set_title(f"{title} [{unit}]" if unit else title, parse_math=False)
+        if min(times) < max(times):
+            axis.set_xlim(min(times), max(times))
+        fit(axis.set_title(f"{title} [{unit}]" if unit else title, parse_math=False), TITLE_WIDTH)
         if cell + across not in cells:
             axis.set_xlabel("time [s]")
     _explain(figure, {label: drawn[label] for label in looks if label and label in drawn})
@@ -179,11 +185,12 @@ def _draw(
         colour, style = looks.get(label, (FAINT, "-"))
         style = "--" if label in later else style
         (drawn[label],) = axis.plot(line.times, line.values, style, color=colour, linewidth=1.0)
-    axis.margins(x=0.0)
+        if line.times.size == 1:
+            drawn[label].set_marker(".")
     low, high = axis.get_ylim()
     if high - low < LEAST_HEIGHT:
         axis.set_ylim(low - LEAST_HEIGHT / 2, high + LEAST_HEIGHT / 2)
-    axis.ticklabel_format(useOffset=False)
+    axis.ticklabel_format(axis="y", useOffset=False)
     return drawn
 
 

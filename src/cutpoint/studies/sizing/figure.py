@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from cutpoint.mechanics.drives.motor import within_limits
-from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, styled
+from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
 from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
 from cutpoint.studies.sizing.load import Load
 
@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 
 PANEL = (3.6, 3.1)
 """Inches of one panel."""
+
+TITLE_WIDTH, TITLE_GAP = PANEL[0] - 0.8, 0.1
+"""Inches: what the labels of the ticks leave of a panel, and between a name and a margin on one line."""
 
 START_STOP = "#f2f3f6"
 """Fill of the zone up to the repeated peak torque, paler than that of the averages."""
@@ -55,21 +58,22 @@ SAMPLES: dict[str, dict[str, Any]] = {
 
 def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
     """A panel a drive; torques at the joint's side, positive where the drive pushes along its motion."""
-    with styled():
-        down, mixed = -(-len(drives) // ACROSS), len({drive.slides for drive in drives}) > 1
-        across = -(-len(drives) // down)
-        figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
-        for k, drive in enumerate(drives):
-            axes = figure.add_subplot(down, across, k + 1)
-            _panel(axes, load, drive, k)
-            if k % across == 0 or mixed:
-                axes.set_ylabel("force at the joint [N]" if drive.slides else "torque at the joint [N m]")
-            if k >= len(drives) - across:
-                axes.set_xlabel("motor speed [rpm]")
-        _explain(figure, across)
-        # what is laid out later takes the style of that moment
-        figure.canvas.draw()
-        return figure
+    return styled_figure(lambda: _drawn(drives, load))
+
+
+def _drawn(drives: Sequence[DriveSizing], load: Load) -> Figure:
+    down, mixed = -(-len(drives) // ACROSS), len({drive.slides for drive in drives}) > 1
+    across = -(-len(drives) // down)
+    figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
+    for k, drive in enumerate(drives):
+        axes = figure.add_subplot(down, across, k + 1)
+        _panel(axes, load, drive, k)
+        if k % across == 0 or mixed:
+            axes.set_ylabel("force at the joint [N]" if drive.slides else "torque at the joint [N m]")
+        if k >= len(drives) - across:
+            axes.set_xlabel("motor speed [rpm]")
+    _explain(figure, across)
+    return figure
 
 
 def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
@@ -155,8 +159,11 @@ def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
 def _title(axes: Axes, drive: DriveSizing) -> None:
     tightest = drive.tightest
     told = "no limit stated" if tightest is None else f"margin {min(tightest.value, 999):.2f}: {tightest.limit}"
-    axes.set_title(drive.joint, parse_math=False, weight="bold", fontsize=11)
-    axes.set_title(told, loc="right", fontsize=9.5, color=FORCE if drive.failures else INK)
+    name = axes.set_title(drive.joint, parse_math=False, weight="bold", fontsize=11)
+    margin = axes.set_title(told, loc="right", fontsize=9.5, color=FORCE if drive.failures else INK)
+    fit(name, TITLE_WIDTH)
+    if width_of(name) + width_of(margin) > TITLE_WIDTH - TITLE_GAP:
+        name.set_text(f"{drive.joint}\n")
 
 
 def _explain(figure: Figure, across: int) -> None:
