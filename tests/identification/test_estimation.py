@@ -324,8 +324,8 @@ def test_what_the_model_has_otherwise_than_drives_state_is_said():
     second = replace(arm.file.drives["joint1"], rotor=Rotor(0.0))
     file, recording = arm.file.with_drives({"joint0": first, "joint1": second}), recorded(arm.robot, 0)
     found = identify_rigid(file, recording, friction=laws, rotors=False, cutoff=CUTOFF)
-    assert any(words.startswith("joint0 have rotors with full coupling") for words in found.notes)
-    assert any(words.startswith("joint1 have friction that grows with load") for words in found.notes)
+    assert any(words.startswith("at joint0, rotors are fully coupled") for words in found.notes)
+    assert any(words.startswith("at joint1, friction grows with load") for words in found.notes)
     assert found.robot.drives["joint1"].motor_friction is not None
     # the fit went by the links' speeds, and so does what it predicts
     motors = replace(recording, theta=1.1 * np.array(recording["q"]))

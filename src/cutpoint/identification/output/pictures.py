@@ -27,7 +27,8 @@ def torque_picture(errors: TorqueErrors, robot: Robot) -> Figure:
     some = thinned(errors.time.size)
     time = errors.time[some]
     for j, (axes, joint) in enumerate(zip(panels, joints, strict=True)):
-        axes.plot(time, errors.measured[some, j], color=INK, linewidth=1.0, label="measured")
+        # wider and paler than the models on top of it, which might otherwise hide it
+        axes.plot(time, errors.measured[some, j], color=INK, linewidth=2.6, alpha=0.4, label="measured")
         axes.plot(time, errors.before[some, j], color=FAINT, linewidth=1.0, linestyle="--", label="the files' model")
         axes.plot(time, errors.after[some, j], color=LINK, linewidth=1.0, label="identified model")
         if errors.held_out.any():

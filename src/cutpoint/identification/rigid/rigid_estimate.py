@@ -220,8 +220,8 @@ def _simplified(model: RigidModel, robot: Robot) -> list[str]:
     ]
     spins = "their carriers' rotation about their axes does not load them here, and bodies absorb its effect"
     loads = "only a motor's can, so it is now stated for the motor"
-    return [f"{', '.join(joints)} {words}" for joints, words in (
-        (coupled, f"have rotors with full coupling: {spins}"), (moved, f"have friction that grows with load: {loads}")
+    return [f"at {', '.join(joints)}, {words}" for joints, words in (
+        (coupled, f"rotors are fully coupled: {spins}"), (moved, f"friction grows with load: {loads}")
     ) if joints]  # fmt: skip
 
 
