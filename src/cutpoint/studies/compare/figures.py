@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.studies.compare.contenders import OURS
@@ -14,6 +15,9 @@ from cutpoint.studies.compare.tables import law_name
 
 WORST = 100.0
 """Times the best of a column, from which on the shade is darkest."""
+
+DARK = 0.85
+"""Shade from which on words are white."""
 
 IN_BARS = ("nominal", "friction", "sensors", "payload_1", "fast", "drives")
 
@@ -32,7 +36,8 @@ def heat_map(results: Results) -> Figure:
     for i, key in enumerate(laws):
         for j, scenario in enumerate(scenarios):
             weight = "bold" if key == ranked[j] else "normal"
-            axes.text(j, i, _entry(results, scenario.key, key), ha="center", va="center", fontsize=9, weight=weight)
+            words, ink = _entry(results, scenario.key, key), "white" if shade[i, j] > DARK else INK
+            axes.text(j, i, words, ha="center", va="center", fontsize=9, weight=weight, color=ink)
     _framed(axes, results, [s.name for s in scenarios])
     return figure
 
@@ -73,6 +78,8 @@ def step_bars(results: Results) -> Figure:
     figure = Figure(figsize=(WIDTH, 1.0 + 0.22 * len(results.matches)), layout="constrained")
     axes = figure.subplots()
     _bars(axes, results, {key: results.nanoseconds.get(key, np.nan) for key in results.matches})
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("a step [ns]")
     return figure
 

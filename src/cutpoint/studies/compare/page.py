@@ -31,7 +31,10 @@ def _tuning(bench: Bench, results: Results) -> Page:
     )
     blocks = (method, tuning_table(results), *refusals(results))
     if results.nanoseconds:
-        caption = "A step of each law, one call from Python on one core; virtual decomposition in the other colour."
+        caption = (
+            "A step of each law, one call from Python on one core, on a logarithmic axis; virtual decomposition in the "
+            "other colour."
+        )
         blocks = (*blocks, Picture("Figure K3", caption, figures.step_bars(results)))
     return Page("tuning", "Equal stiffness", blocks)
 

@@ -41,7 +41,7 @@ def _line(axes: Axes, contender: Contender, values: Mapping[int, float]) -> None
 def _logarithmic(axes: Axes, sizes: list[int]) -> None:
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
-    axes.set_xticks([n for n in sizes if n & (n - 1) == 0 or n == 6])
+    axes.set_xticks([n for n in sizes if n & (n - 1) == 0 or n in (6, max(sizes))])
     axes.xaxis.set_major_formatter(ScalarFormatter())
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_minor_formatter(NullFormatter())

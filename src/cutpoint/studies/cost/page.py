@@ -67,7 +67,7 @@ def _times(costs: Mapping[str, Cost]) -> Table:
     for contender in CONTENDERS:
         cost = costs[contender.key]
         timings = [cost.batched.get(n) for n in sizes]
-        rows.append((contender.name, *("" if t is None else number(t.median, 0) for t in timings)))
+        rows.append((contender.name, *("–" if t is None else number(t.median, 0) for t in timings)))
     columns = ("", *(f"n = {n}" for n in sizes))
     return Table("Table C2", "Nanoseconds for one inverse dynamics of a batch: medians.", columns, tuple(rows))
 
