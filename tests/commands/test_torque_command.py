@@ -62,6 +62,8 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
     assert len(log.time) == 101 and Path("torques.png").stat().st_size > 10_000
     fine = drives.elastic_inverse_dynamics(*smooth.derivatives(np.linspace(0.0, 1.0, 1001), 4))
     assert f"{np.abs(fine.motor_torque).max(axis=0)[1]:.4g} N m" in told
+    fastest = np.degrees(np.abs(smooth.derivatives(np.linspace(0.0, 1.0, 1001), 1)[1]).max())
+    assert f"{fastest:.4g} deg/s" in told
     with pytest.raises(
         InputError, match=r"--period 1e-09 s: this gives 1e\+09 samples, at most 1e\+06 are allowed: lengthen it"
     ):

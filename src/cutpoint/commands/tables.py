@@ -152,9 +152,9 @@ def motion_table(robot: Robot, log: "Log") -> Table:
     table = _table("torques along the motion, at the joint's side", "joint", "RMS joint torque", "peak joint torque",
                    "RMS motor torque", "peak motor torque", "peak speed")  # fmt: skip
     torques = [take(name) for name in ("joint_torque", "motor_torque") for take in (log.rms, log.max)]
-    units, rates = at_joints(robot, "N m"), at_joints(robot, "rad/s")
-    for name, speed, *found in zip(robot.joints, log.max("v"), *torques, strict=True):
-        table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{speed:.4g} {rates[name]}")
+    units = at_joints(robot, "N m")
+    for name, slides, speed, *found in zip(robot.joints, are_prismatic(robot), log.max("v"), *torques, strict=True):
+        table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{_position(speed, slides)}/s")
     table.caption = "the motor's torque includes friction, rotor and kinematic error"
     return table
 
