@@ -14,7 +14,7 @@ from cutpoint.studies.drive.rows import SPEEDS
 
 
 def running_torque(axes: Axes, specimen: Specimen) -> None:
-    axes.set(title="(c) running torque at the input, no load", xlabel="input speed [rpm]", ylabel="torque [N m]")
+    axes.set(title="(c) running torque, no load", xlabel="input speed [rpm]", ylabel="input torque [N m]")
     if not specimen.knows_speed:
         return missing(axes, "running torque")
     rpm = np.concatenate([np.linspace(0, 100, 100), np.linspace(100, _fastest(specimen), 200)[1:]])
