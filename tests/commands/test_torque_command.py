@@ -27,6 +27,8 @@ def test_torques_that_are_equal_are_printed_equal() -> None:
     rows = [[cell.strip() for cell in line.split("│")] for line in told.splitlines() if line.startswith("│")]
     assert len(rows) == 6 and all(gravity == on_link for _, _, _, gravity, on_link, *_ in rows)
     assert "14.2307" in {row[3] for row in rows}
+    assert "at rest" in told and "speeds" not in told
+    assert "speeds 0, 1, 0, 0, 0, 0" in printed("torque", "xia2019", "--q", "0,0,0,0,0,0", "--v", "0,1,0,0,0,0")
 
 
 def test_torques_at_a_place_are_saved_as_they_are_computed(tmp_path: Path) -> None:

@@ -140,10 +140,9 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
             name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.6g}", f"{at_motor:.6g}",
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
-    table.caption = (
-        f"speeds {np.array2string(v, precision=4)}, accelerations {np.array2string(a, precision=4)}, SI units; "
-        "the motor's torque includes friction, rotor and kinematic error"
-    )
+    rates = (", ".join(f"{x:.4g}" for x in values) for values in (v, a))
+    motion = "speeds {}; accelerations {}; SI units".format(*rates) if v.any() or a.any() else "at rest"
+    table.caption = f"{motion}; the motor's torque includes friction, rotor and kinematic error"
     return table
 
 
