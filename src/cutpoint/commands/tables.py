@@ -275,5 +275,5 @@ def _law(law: object) -> str:
         if is_dataclass(value):
             lines += [f"  {line}" for line in _law(value).splitlines()]
         elif value is not None:
-            lines.append(f"{name.replace('_', ' ')} {value:.4g}")
+            lines.append(f"{name.replace('_', ' ')} {value:.6g}")
     return "\n".join(lines)
