@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name, by_name, law_of, unlimited
+from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name, by_name, law_of
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
-from cutpoint.commands.shared import above_zero, app, say_notes, say_path
+from cutpoint.commands.shared import above_zero, app, say_path
 from cutpoint.errors import InputError
 from cutpoint.functions.traits import TRAITS
 from cutpoint.mechanics.kinematics import ExpressedIn
@@ -88,7 +88,6 @@ def export(
         bandwidth = BANDWIDTH if bandwidth is None else bandwidth
         period = PERIOD if period is None else period
         step = law_of(loaded, law, bandwidth, feedforward, period, guard=guard)
-        say_notes(unlimited(step) if guard else ())
         paths = export_controller(
             loaded, step, folder, control_period=period, precision=precision, name=name or "control_step", force=force
         )

@@ -7,7 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import RungOption, above_zero
+from cutpoint.commands.shared import RungOption, above_zero, say_notes
 from cutpoint.errors import InputError, unknown_name
 
 Name = Literal[
@@ -68,7 +68,10 @@ def law_of(
     *,
     guard: bool = False,
 ) -> Any:
-    """The law with its gains, with feedforward added if it has none, in a guard if asked.  Raises InputError."""
+    """The law with its gains, with feedforward added if it has none, in a guard if asked.  Raises InputError.
+
+    Says what a guard leaves without a limit.
+    """
     from cutpoint import control
 
     has_model = law not in WITHOUT_MODEL
@@ -78,10 +81,14 @@ def law_of(
     tuned = control.tune(robot, bandwidth, getattr(control, law), control_period=period)
     if not has_model and feedforward != "none":
         tuned = tuned + control.Feedforward(robot, feedforward or "elastic")
-    return control.Guard(robot, tuned) if guard else tuned
+    if not guard:
+        return tuned
+    guarded = control.Guard(robot, tuned)
+    say_notes(_unlimited(guarded))
+    return guarded
 
 
-def unlimited(guard: Any) -> Iterator[str]:
+def _unlimited(guard: Any) -> Iterator[str]:
     """Notes on joints whose torque or speed a guard does not limit, since neither robot nor drive file does."""
     for what, limits in (("torque", guard.torque_limit), ("speed", guard.speed_limit)):
         names = [repr(name) for name, limit in zip(guard.robot.drives, limits, strict=True) if np.isinf(limit)]
