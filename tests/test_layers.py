@@ -12,7 +12,7 @@ PACKAGE = Path(cutpoint.__file__).parent
 
 LAYERS = """
     version errors callers
-    files scalars door
+    files scalars door resolvent
     kernels model reporting
     mechanics
     definitions drive_slopes formats trajectories

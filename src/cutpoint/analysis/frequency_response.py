@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.door import check_kind, checked_name, checked_numbers
 from cutpoint.errors import InputError
+from cutpoint.resolvent import resolvent
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -120,14 +121,7 @@ def _resolvent(A: Array, b: Array) -> Callable[[ComplexArray], ComplexArray]:
     triangular: Any = schur(balanced[0], output="complex")
     T, Q = triangular
     given = Q.conj().T @ (b / scale)
-
-    def at(s: ComplexArray) -> ComplexArray:
-        x = np.zeros((len(b), len(s)), complex)
-        for k in reversed(range(len(b))):
-            x[k] = (given[k] + T[k, k + 1 :] @ x[k + 1 :]) / (s - T[k, k])
-        return (scale[:, None] * (Q @ x)).T
-
-    return at
+    return lambda s: (scale[:, None] * (Q @ resolvent(T, given, s))).T
 
 
 def _residues(response: Callable[[ComplexArray], ComplexArray], c: Array, poles: ComplexArray) -> Array:

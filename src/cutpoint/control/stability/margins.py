@@ -10,6 +10,7 @@ from cutpoint.control.interface import Control
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.sampled_loop import STEADY, SampledLoop, sampled_loop
 from cutpoint.errors import InputError
+from cutpoint.resolvent import resolvent
 from cutpoint.robot import Robot
 
 Array = NDArray[np.float64]
@@ -108,7 +109,7 @@ def peak_sensitivity(loop: SampledLoop) -> Array:
     turns = np.concatenate([COARSE, at_poles])
     into, command = Q.conj().T @ loop.into, loop.command @ Q
     columns = zip(into.T, command, strict=True)
-    return np.array([np.abs(1 + c @ _solved(A, b, turns)).max() for b, c in columns])
+    return np.array([np.abs(1 + c @ resolvent(A, b, np.exp(1j * turns))).max() for b, c in columns])
 
 
 class _Cut:
@@ -135,7 +136,7 @@ class _Cut:
     def at(self, turns: Array) -> Complex:
         """L at all turns at once."""
         with np.errstate(invalid="ignore"):
-            return self._c @ _solved(self._A, self._b, turns)
+            return self._c @ resolvent(self._A, self._b, np.exp(1j * turns))
 
     def crossings(self, height: Callable[[Complex], Any]) -> Array:
         """Turns where this function of L changes sign, by bisection."""
@@ -160,15 +161,6 @@ class _Cut:
                 falls = np.abs(1 + self.at(low + third)) > np.abs(1 + self.at(high - third))
                 low, high = np.where(falls, low + third, low), np.where(falls, high, high - third)
             return float(np.nanmin([*np.abs(1 + self.at((low + high) / 2)), distances.min()]))
-
-
-def _solved(A: Complex, b: Complex, turns: Array) -> Complex:
-    """(z - A)^-1 b, (n, turns), by back substitution with a triangular A."""
-    z, x = np.exp(1j * turns), np.zeros((len(b), len(turns)), complex)
-    with np.errstate(divide="ignore", invalid="ignore"):  # at a pole itself
-        for k in reversed(range(len(x))):
-            x[k] = (b[k] + A[k, k + 1 :] @ x[k + 1 :]) / (z - A[k, k])
-    return x
 
 
 def _crossings(A: Array, b: Array, c: Array) -> Array:
