@@ -8,7 +8,7 @@ import typer
 
 import cutpoint
 from cutpoint.commands.shared import RungOption, above_zero, say_notes
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError, listed, unknown_name
 
 Name = Literal[
     "PD",
@@ -91,6 +91,6 @@ def law_of(
 def _unlimited(guard: Any) -> Iterator[str]:
     """Notes on joints whose torque or speed a guard does not limit, since neither robot nor drive file does."""
     for what, limits in (("torque", guard.torque_limit), ("speed", guard.speed_limit)):
-        names = [repr(name) for name, limit in zip(guard.robot.drives, limits, strict=True) if np.isinf(limit)]
+        names = [name for name, limit in zip(guard.robot.drives, limits, strict=True) if np.isinf(limit)]
         if names:
-            yield f"the guard has no {what} limit for {', '.join(names)}: state it in the robot file or the drive file"
+            yield f"the guard has no {what} limit for {listed(names)}: state it in the robot file or the drive file"
