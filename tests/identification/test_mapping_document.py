@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from cutpoint.identification import Channel, Table, parse_mapping, recording_of
 from cutpoint.identification.logs.channel_names import NAMES, TIME
 from cutpoint.identification.logs.mapping_sheet import ChannelSheet, MappingSheet, TimeSheet
-from cutpoint.identification.logs.units import COUNTS, SPELLINGS, TIMES, UNITS, WITH_GAIN
+from cutpoint.model.stated_units import COUNTS, SPELLINGS, TIMES, UNITS, WITH_GAIN
 
 PAGE = (Path(__file__).parents[2] / "docs" / "log-mapping.md").read_text(encoding="utf-8")
 

@@ -8,7 +8,7 @@ from machine_logs import positions, times
 
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording, read_recording, read_table
-from cutpoint.identification.logs.units import name_and_unit
+from cutpoint.model.stated_units import name_and_unit
 
 T = times(200)
 Q, TAU = positions(T), positions(T, 2)

@@ -79,6 +79,14 @@ def test_times_are_in_the_unit_that_the_first_line_names(tmp_path: Path, unit: s
     np.testing.assert_allclose(from_csv(path)(TIMES).q, same(TIMES).q, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("header", ["Time (ms),a [°],b (degrees),c (mm)", "t [msec],a(deg),b [Degree],c [mm]"])
+def test_units_may_be_spelled_as_in_other_programs(tmp_path: Path, header: str):
+    rows = np.column_stack([1e3 * TIMES, POSITIONS * [180.0 / np.pi, 180.0 / np.pi, 1e3]])
+    path = tmp_path / "motion.csv"
+    path.write_text(f"{header}\n" + "\n".join(",".join(map(repr, row)) for row in rows.tolist()) + "\n", "utf-8")
+    np.testing.assert_allclose(from_csv(path)(TIMES).q, from_samples(TIMES, POSITIONS)(TIMES).q, rtol=0, atol=1e-12)
+
+
 def test_millimetres_are_converted_too(tmp_path: Path):
     path = written(tmp_path, "t,a,b,c [mm]", POSITIONS * [1.0, 1.0, 1e3])
     same = from_samples(TIMES, POSITIONS)(TIMES).q
@@ -90,9 +98,9 @@ def test_millimetres_are_converted_too(tmp_path: Path):
     [
         (
             "t,turns [m],lift [m]",
-            r"'turns' is in 'm': it turns, so its positions must be in 'deg' or 'rad' \(.*csv:1\)",
+            r"'turns' is in 'm': it turns, so its unit must be one of 'rad', 'mrad', 'deg', 'rev' \(.*csv:1\)",
         ),
-        ("t,turns,lift [rad]", r"'lift' is in 'rad': it slides, so its positions must be in 'mm' or 'm' \(.*csv:1\)"),
+        ("t,turns,lift [rad]", r"'lift' is in 'rad': it slides, so its unit must be one of 'm', 'mm' \(.*csv:1\)"),
         (
             "t,turns,lift",
             r"'lift': position 350.0 looks like millimetres; .* 'lift \[mm\]' or 'lift \[m\]' \(.*csv:2\)",
@@ -140,9 +148,12 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ("t\n0\n1\n2\n3\n", r"first line 't' must name the columns"),
         ("t|elbow\n0|1\n", r"first line 't\|elbow' separates columns with '\|': use commas, as in"),
         ("t;elbow\n0;1\n1,5;1,2,3\n", r"position of joint 'elbow' is '1.2.3': it must be a finite .*motion.csv:3\)"),
-        ("t [h],elbow\n" + GOOD, r"time is in 'h': it must be in 's', 'ms', 'us' \(.*motion.csv:1\)"),
+        ("t [h],elbow\n" + GOOD, r"time is in 'h': it must be in 's', 'ms', 'us', 'ns' \(.*motion.csv:1\)"),
         ("t [ms],elbow\n0,1\n2,1\n1,2\n", r"time 0.001 s must be later than 0.002 s, the one before it \(.*csv:4\)"),
-        ("t,elbow [grad]\n" + GOOD, r"no unit of joint 'elbow' is named 'grad'; there are: 'deg', 'rad', 'mm', 'm'"),
+        (
+            "t,elbow [grad]\n" + GOOD,
+            r"no unit of joint 'elbow' is named 'grad'; there are: 'rad', 'mrad', 'deg', 'rev', 'm', 'mm'",
+        ),
         ("t,elbow,elbow\n" + GOOD, r"column 'elbow' must have its own name"),
         ("t,elbow,\n" + GOOD, r"column '' must have its own name"),
         ("t" + ",elbow" * 1000 + "\n", r"first line .* must name the columns"),
@@ -207,5 +218,5 @@ def test_columns_of_other_joints_may_have_any_unit(tmp_path: Path):
     """Whether a joint slides that nobody asks for, as one of another robot, is not known."""
     path = written(tmp_path, "t,a,b,c [mm]")
     assert from_csv(path, ["a", "b"], sliding=()).joints == ("a", "b")
-    with pytest.raises(InputError, match=r"joint 'c' is in 'mm': it turns, so its positions must be in 'deg' or 'rad'"):
+    with pytest.raises(InputError, match=r"joint 'c' is in 'mm': it turns, so its unit must be one of 'rad', 'mrad',"):
         from_csv(path, ["a", "c"], sliding=())

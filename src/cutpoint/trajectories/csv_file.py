@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,20 +12,10 @@ import numpy as np
 from cutpoint.door import checked_names, path_of
 from cutpoint.errors import InputError, listed, unknown_name
 from cutpoint.files import check_readable
+from cutpoint.model.stated_units import ANGLES, LENGTHS, TIMES, name_and_unit
 from cutpoint.model.validation import DEGREES_BEYOND
 from cutpoint.trajectories.csv_rows import check_width, rows_of
 from cutpoint.trajectories.samples import Smoothed, from_samples
-
-TURNING = {"deg": math.pi / 180.0, "rad": 1.0}
-SLIDING = {"mm": 1e-3, "m": 1.0}
-UNITS = TURNING | SLIDING
-"""What a position in each unit is multiplied with to be in rad (m)."""
-
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-"""s."""
-
-HEAD = re.compile(r"\s*([^][]*?)\s*(?:\[\s*([^][]*?)\s*\]\s*)?")
-"""A name and, if it is there, a unit in brackets."""
 
 LARGEST_FILE = 200_000_000
 """Bytes: more than an hour of seven joints at 1 kHz."""
@@ -37,11 +27,16 @@ EXAMPLE = "as in 't, shoulder, elbow'"
 
 
 class Column(NamedTuple):
-    """A column of positions as the first line names it, and the units that suit its joint."""
+    """A column of positions as the first line names it.  slides: whether its joint does, None if that is not known."""
 
     name: str
-    unit: str | None
-    known: Mapping[str, float] = UNITS
+    unit: str
+    slides: bool | None = None
+
+    @property
+    def known(self) -> list[str]:
+        """The units that suit its joint."""
+        return [unit for unit in ANGLES if self.slides is None or (unit in LENGTHS) == self.slides]
 
 
 def from_csv(
@@ -127,27 +122,26 @@ def _header(cells: list[str], place: str) -> tuple[float, list[Column]]:
     for column in found[1:]:
         if not column.name or names.count(column.name) > 1:
             raise InputError(f"column {column.name!r} must have its own name", place=place)
-        if column.unit is not None and column.unit not in UNITS:
-            raise unknown_name(f"unit of joint {column.name!r}", column.unit, UNITS, place=place)
+        if column.unit and column.unit not in ANGLES:
+            raise unknown_name(f"unit of joint {column.name!r}", column.unit, ANGLES, place=place)
     return TIMES[time], found[1:]
 
 
 def _held_against(column: Column, sliding: Collection[str], place: str) -> Column:
-    """The column with the units that suit its joint.  Raises InputError if it names another."""
-    way, known = ("slides", SLIDING) if column.name in sliding else ("turns", TURNING)
-    if column.unit is not None and column.unit not in known:
-        rule = f"it {way}, so its positions must be in {' or '.join(map(repr, known))}"
-        raise InputError(f"joint {column.name!r} is in {column.unit!r}: {rule}", place=place, joint=column.name)
-    return column._replace(known=known)
+    """The column with whether its joint slides.  Raises InputError if its unit does not suit that."""
+    column = column._replace(slides=column.name in sliding)
+    if column.unit and column.unit not in column.known:
+        way, units = ("slides" if column.slides else "turns"), ", ".join(map(repr, column.known))
+        told = f"joint {column.name!r} is in {column.unit!r}: it {way}, so its unit must be one of {units}"
+        raise InputError(told, place=place, joint=column.name)
+    return column
 
 
 def _column(cell: str, place: str) -> Column:
-    read = HEAD.fullmatch(cell)
-    if read is None:
-        raise InputError(
-            f"column {cell.strip()!r} must be a name, or a name and its unit, as in 'elbow [deg]'", place=place
-        )
-    return Column(read[1], read[2])
+    name, unit = name_and_unit(cell.strip())
+    if re.search(r"[][]", name):
+        raise InputError(f"column {name!r} must be a name, or a name and its unit, as in 'elbow [deg]'", place=place)
+    return Column(name, unit)
 
 
 def _row(cells: list[str], second: float, columns: list[Column], place: str) -> list[float]:
@@ -159,12 +153,12 @@ def _row(cells: list[str], second: float, columns: list[Column], place: str) -> 
 def _position(cell: str, column: Column, place: str) -> float:
     name = column.name
     value = _number(cell, f"position of joint {name!r}", place)
-    if column.unit is None and abs(value) > DEGREES_BEYOND:
-        choices = " or ".join(repr(f"{name} [{unit}]") for unit in column.known)
-        kind = "millimetres" if column.known is SLIDING else "degrees"
+    if not column.unit and abs(value) > DEGREES_BEYOND:
+        kind, *units = ("millimetres", "mm", "m") if column.slides else ("degrees", "deg", "rad")
+        choices = " or ".join(repr(f"{name} [{unit}]") for unit in units)
         told = f"joint {name!r}: position {value} looks like {kind}; name the unit in the first line, {choices}"
         raise InputError(told, place=place, joint=name)
-    return value * UNITS[column.unit or "rad"]
+    return value * ANGLES[column.unit or "rad"]
 
 
 def _number(cell: str, name: str, place: str) -> float:

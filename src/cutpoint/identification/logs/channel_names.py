@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from cutpoint.identification.logs.units import LONGEST_NAME
+from cutpoint.model.stated_units import LONGEST_NAME
 
 TIME = ("time", "t", "timestamp", "timestamps", "stamp", "stamps", "timesec", "times")
 """Names of times; only letters and digits count, for the other names only letters, and only the end of a path."""

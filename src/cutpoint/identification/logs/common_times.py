@@ -12,8 +12,8 @@ from cutpoint.identification.logs.quantity import Measured
 from cutpoint.identification.logs.resampling import on_grid
 from cutpoint.identification.logs.table import Table
 from cutpoint.identification.logs.time_stamps import Ordered, ordered, without_long_gaps
-from cutpoint.identification.logs.units import TIMES
 from cutpoint.identification.logs.wrapping import unwrapped
+from cutpoint.model.stated_units import TIMES
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, TextIO
 from cutpoint.errors import InputError
 from cutpoint.files import delimiter_of
 from cutpoint.identification.logs.csv_cells import is_word, number, split
-from cutpoint.identification.logs.units import known_unit, name_and_unit
+from cutpoint.model.stated_units import known_unit, name_and_unit
 
 LONGEST_LINE = 100_000
 """Largest length, in characters, of the line that names the columns."""

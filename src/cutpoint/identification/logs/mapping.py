@@ -15,7 +15,7 @@ from cutpoint.identification.logs.default_mapping import default_mapping
 from cutpoint.identification.logs.mapping_sheet import ChannelSheet, MappingSheet
 from cutpoint.identification.logs.recording import QUANTITIES
 from cutpoint.identification.logs.table import Table
-from cutpoint.identification.logs.units import COUNTS, UNITS, WITH_GAIN
+from cutpoint.model.stated_units import COUNTS, UNITS, WITH_GAIN
 
 VERSION = 1
 

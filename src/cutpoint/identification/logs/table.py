@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.errors import CutpointError, InputError, those_that_exist
-from cutpoint.identification.logs.units import name_and_unit
+from cutpoint.model.stated_units import name_and_unit
 from cutpoint.simulation.log.files import LARGEST_FILE
 
 Array = NDArray[np.float64]

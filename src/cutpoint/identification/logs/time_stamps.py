@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.resampling import longest_step
-from cutpoint.identification.logs.units import TIMES
+from cutpoint.model.stated_units import TIMES
 
 Array = NDArray[np.float64]
 

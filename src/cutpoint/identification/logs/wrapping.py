@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.identification.logs.units import COUNTS, LENGTHS, UNITS
+from cutpoint.model.stated_units import COUNTS, LENGTHS, UNITS
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Units of logs, their factors to SI, and their spellings in titles."""
+"""Units that users' tables state, their factors to SI, and their spellings in titles of columns."""
 
 import math
 import re
