@@ -237,12 +237,16 @@ def test_the_header_of_a_law_says_what_is_read_and_what_torque_holds(tmp_path: P
     assert f"to be called every {PERIOD:g} s" in header
 
 
-def test_the_header_of_a_guarded_law_says_what_to_give_without_an_encoder(arm: cutpoint.Robot, tmp_path: Path) -> None:
+def test_a_guarded_laws_header_says_what_to_give_without_an_encoder_and_what_faults_do(
+    arm: cutpoint.Robot, tmp_path: Path
+) -> None:
     """A guard would watch a position of 0, which never leaves its limits."""
-    law = Guard(arm, PD([1.0] * 6, [1.0] * 6), torque_limit=200.0, upper=1.0)
+    law = Guard(arm, PD([1.0] * 6, [1.0] * 6), {"measurement": "stop"}, torque_limit=200.0, upper=1.0)
     export_controller(arm, law, tmp_path, control_period=PERIOD)
     header = (tmp_path / "control_step.h").read_text()
     assert len(re.findall(r"in   (?:q|v|theta|theta_dot): .*; NaN where there is no encoder\n", header)) == 4
+    assert "7 memory; after stale the last safe torque is held; after deadline or speed or" in header
+    assert header.count("; after measurement or memory the torque is zero at once\n") == 1
     step = CFunction(tmp_path, "control_step", law_kernel(arm, law).graph)
     tables = law_memory(law), law_parameters(law, PERIOD)
     far, still, absent = np.full(6, 2.0), np.zeros(6), np.full(6, np.nan)
@@ -266,7 +270,7 @@ def test_the_header_of_a_law_says_what_faults_and_memory_are(arm: cutpoint.Robot
     export_controller(arm, Guard(arm, Integrating()), tmp_path, control_period=PERIOD, name="law")
     header = (tmp_path / "law.h").read_text()
     (told,) = re.findall(r"out  fault: a number, .*: (.*)", header)
-    assert told.split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
+    assert told.split("; ")[0].split(", ") == [f"{fault.value} {fault.name.lower()}" for fault in Fault]
     assert re.search(r"in   memory: \d+, of the law: initially the table whose name ends in _memory", header)
     export_controller(arm, Summing(), tmp_path, control_period=PERIOD, name="law")
     assert not re.search("memory.*joint1", (tmp_path / "law.h").read_text())
@@ -524,4 +528,4 @@ def test_the_numbers_of_a_laws_model_have_names(arm: cutpoint.Robot, tmp_path: P
     text = "".join(path.read_text() for path in tmp_path.rglob("*.h"))
     (found,) = re.findall(r"(\S+), /\* Guard law parts\[1\] joint2 link_friction viscous: [\d.]+ \*/", text)
     assert float.fromhex(found) == arm.drives["joint2"].link_friction.viscous
-    assert "a step of Guard(PD + Feedforward) for xia2019, no limits but the guard's" in text
+    assert "A step of Guard(PD + Feedforward) for xia2019, no limits but the guard's" in text

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control import Fault
+from cutpoint.control import Fault, Guard
 from cutpoint.control.interface import SENSED
 from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.kernels.graphs.graph import Graph
@@ -41,6 +41,12 @@ _OF_LAWS = {
     "motor_speed_reference": "desired",
 }  # fmt: skip
 """Words on a law's arguments, before their units."""
+_REACTIONS_TOLD = {
+    "hold": "the last safe torque is held",
+    "ramp": "the torque goes to zero within the parameter ramp_time (s)",
+    "stop": "the torque is zero at once",
+}
+"""What each reaction of a Guard does."""
 _AXES = {
     "local": "along the frame's own axes",
     "local_world_aligned": "along the world's axes",
@@ -91,15 +97,31 @@ def notes_of(
     return Notes(f"{about}.  SI units and radians, {sides if robot.drives else 'at the joints'}.", told, kept)
 
 
-def notes_of_law(robot: Robot, graph: Graph, about: str, values: Mapping[str, Values], *, is_guarded: bool) -> Notes:
+def notes_of_law(robot: Robot, law: Any, graph: Graph, about: str, values: Mapping[str, Values]) -> Notes:
     """The notes on the arguments of a law's step."""
     notes = notes_of(robot, graph, about, values, per_drive={*PER_DRIVE, "q", "v"})
     told = {name: f"{_OF_LAWS[name]}, {x}" if name in _OF_LAWS else x for name, x in notes.arguments.items()}
-    if is_guarded:
+    if has_guard(law):
         told |= {name: f"{told[name]}; NaN where there is no encoder" for name in SENSED}
     else:
         told["fault"] = "0, unless the law itself reports one: it has no Guard"
+    if isinstance(law, Guard):
+        told["fault"] += _reactions_told(law)
     return replace(notes, arguments=told)
+
+
+def has_guard(law: Any) -> bool:
+    """Whether a law's step reports the faults that a Guard finds."""
+    return getattr(law, "reports_faults", False)
+
+
+def _reactions_told(guard: Guard) -> str:
+    """What a guard does after each fault, which the fault's number alone does not say."""
+    said = ""
+    for reaction, does in _REACTIONS_TOLD.items():
+        faults = " or ".join(fault for fault, its in guard.all_reactions.items() if its == reaction)
+        said += f"; after {faults} {does}" if faults else ""
+    return said
 
 
 def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[str]) -> str:

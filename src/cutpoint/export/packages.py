@@ -16,7 +16,7 @@ from cutpoint.control.law import law_in_words
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export.notes import PER_DRIVE, drive_labels, labels_of, notes_of, notes_of_law, result_of
+from cutpoint.export.notes import PER_DRIVE, drive_labels, has_guard, labels_of, notes_of, notes_of_law, result_of
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.traits import TRAITS
 from cutpoint.kernels.graphs.precision import PRECISIONS
@@ -108,8 +108,7 @@ def export_controller(
     check_kind("export_controller", "precision", precision, str, "a name")
     _check_precision(precision)
     period, single = positive("export_controller", "control_period", control_period, "s"), precision == "float32"
-    has_guard = getattr(law, "reports_faults", False)
-    if single and has_guard:
+    if single and has_guard(law):
         told = "a Guard measures its deadlines by time, whose steps in single precision exceed a period within hours"
         raise InputError(f"export_controller: {told}; use precision='float64', or export the law that it guards")
     graph = replace(law_kernel(robot, law, name=name).graph, precision=PRECISIONS[precision])
@@ -119,10 +118,10 @@ def export_controller(
     if memory.size:
         values["memory"] = Values(memory, [*labels_of(with_float_leaves(start_of(law)), "memory")])
     _check_bears(name, values, precision)
-    limits = "no limits but the guard's" if has_guard else "limits not applied"
+    limits = "no limits but the guard's" if has_guard(law) else "limits not applied"
     told = "in single precision, " * single
-    about = f"a step of {law_in_words(law)} for {robot.name}, {limits}, {told}to be called every {period:g} s"
-    notes = notes_of_law(robot, graph, about, values, is_guarded=has_guard)
+    about = f"A step of {law_in_words(law)} for {robot.name}, {limits}, {told}to be called every {period:g} s"
+    notes = notes_of_law(robot, law, graph, about, values)
     carried = {"memory": "next_memory"} if memory.size else {}
     notes = replace(notes, carried=carried, series={"time": partial(_passing, period)})
     return c99_package.write_package(graph, name, folder, notes, force=force)

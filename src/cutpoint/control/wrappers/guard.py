@@ -109,6 +109,11 @@ class Guard(Wrapper):
         check_drives(self.law, self.robot.joints)
 
     @property
+    def all_reactions(self) -> dict[str, str]:
+        """The reaction to each fault, by name."""
+        return {**REACTIONS, **self.reactions}
+
+    @property
     def size(self) -> int:
         """Number of drives."""
         return len(self.robot.drives)
@@ -175,7 +180,7 @@ class Guard(Wrapper):
         }
         found: Scalar = 0.0
         severity: Scalar = 0.0
-        reactions = {**REACTIONS, **self.reactions}
+        reactions = self.all_reactions
         for fault, here in reversed([*happened.items()]):
             found = where(here > 0, float(fault), found)
             severity = maximum(severity, here * float(SEVERITY[reactions[fault.name.lower()]]))
