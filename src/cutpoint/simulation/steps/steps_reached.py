@@ -4,7 +4,6 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint.callers import warn
 from cutpoint.mechanics.bodies.joints import Floating, Spherical
@@ -15,8 +14,6 @@ from cutpoint.simulation.log.channels import BASE_SPEEDS, base_of
 from cutpoint.simulation.log.log import Log
 from cutpoint.simulation.steps.fastest import Limit, fastest_mode, fastest_wave, posture
 from cutpoint.simulation.steps.substeps import MOST_SUBSTEPS, SETTINGS, StiffnessWarning
-
-Array = NDArray[np.float64]
 
 ALLOWED = 2.0
 """How many times faster than foreseen waves may become: less than a whole wave a step, which no step would see."""
