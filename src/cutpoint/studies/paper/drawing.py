@@ -30,15 +30,15 @@ def text(axes: Axes, at: Point, words: str, **style: Any) -> None:
     axes.text(*at, words, **{"ha": "center", "va": "center", "linespacing": 1.35, **style})
 
 
-def box(axes: Axes, corner: Point, size: Point, words: str, edge: str = INK, fill: str = "white", **style: Any) -> None:
+def box(axes: Axes, corner: Point, size: Point, words: str, edge: str, fill: str) -> None:
     """A block with rounded corners and words in it; corner is the lower left one."""
     patch = FancyBboxPatch(corner, *size, boxstyle="round,pad=0,rounding_size=0.12", ec=edge, fc=fill, lw=1.3, zorder=3)
     axes.add_patch(patch)
-    text(axes, (corner[0] + size[0] / 2, corner[1] + size[1] / 2), words, zorder=4, **style)
+    text(axes, (corner[0] + size[0] / 2, corner[1] + size[1] / 2), words, zorder=4)
 
 
-def arrow(axes: Axes, start: Point, end: Point, colour: str = INK, width: float = _LINE, **style: Any) -> None:
-    """A straight arrow, or a bent one by `connectionstyle`."""
+def arrow(axes: Axes, start: Point, end: Point, colour: str, width: float = _LINE, **style: Any) -> None:
+    """A straight arrow."""
     options = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0, "zorder": 5, **style}
     axes.add_patch(FancyArrowPatch(start, end, color=colour, lw=width, **options))
 
@@ -50,7 +50,7 @@ def path(axes: Axes, points: list[Point], colour: str = INK) -> None:
     arrow(axes, points[-2], points[-1], colour)
 
 
-def turn(axes: Axes, centre: Point, colour: str, size: Point = (0.7, 1.5)) -> None:
+def turn(axes: Axes, centre: Point, colour: str, size: Point) -> None:
     """A turning about the horizontal axis, right-handed to the right: an open ellipse with a head."""
     angle = np.deg2rad(np.linspace(235, -60, 60))
     points = np.array(centre) + 0.5 * np.array(size) * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -86,12 +86,11 @@ def span(axes: Axes, left: float, right: float, y: float, words: str) -> None:
     text(axes, ((left + right) / 2, y + 0.32), words, color=INK)
 
 
-def leader(axes: Axes, at: Point, words_at: Point, words: str, colour: str = INK, **style: Any) -> None:
+def leader(axes: Axes, at: Point, words_at: Point, words: str, colour: str) -> None:
     """Words with a thin line to what they name, ending in a dot."""
     axes.plot([at[0], words_at[0]], [at[1], words_at[1]], color=FAINT, lw=0.8, zorder=8)
     axes.plot(*at, "o", ms=3, color=INK, zorder=9)
-    align = {"va": "bottom" if words_at[1] > at[1] else "top"}
-    text(axes, words_at, words, color=colour, **{**align, **style, "zorder": 9})
+    text(axes, words_at, words, color=colour, va="bottom" if words_at[1] > at[1] else "top", zorder=9)
 
 
 def triad(axes: Axes, origin: Point, name: str, colour: str, length: float = 0.95) -> None:

@@ -15,7 +15,7 @@ Slab = tuple[float, float, float, float]
 """From x to x along the axis, from r to r off it."""
 
 
-def placed(axes: Axes, origin: tuple[float, float], scale: float = 1.0) -> Transform:
+def placed(axes: Axes, origin: tuple[float, float], scale: float) -> Transform:
     """Where a part is drawn: the point of the axis at x = 0, and how large."""
     return Affine2D().scale(scale).translate(*origin) + axes.transData
 
