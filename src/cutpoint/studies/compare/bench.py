@@ -42,8 +42,8 @@ class Bench:
     frame: str
     payload: float
     gears: tuple[str, ...]
-    bandwidth: float = 4.0
-    control_period: float = 1e-3
+    bandwidth: float
+    control_period: float
 
     def move(self, duration: float) -> Trajectory:
         """From home to goal and back, `duration` s each way."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.interface import SENSED, Command, Measurement, Reference
+from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.law import Wrapper
-from cutpoint.simulation.control_kernel import REFERENCE, law_kernel, law_memory
+from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.studies.compare.bench import USUAL, Bench
 from cutpoint.studies.compare.matching import Match
@@ -25,9 +25,8 @@ def step_times(bench: Bench, matches: Mapping[str, Match]) -> dict[str, float]:
 def _call(bench: Bench, match: Match) -> Callable[[], object]:
     """A step on the way."""
     sample = bench.move(USUAL)(0.3 * USUAL)
-    measured = dict(zip(SENSED, (sample.q, sample.v, sample.q + 1e-3, sample.v), strict=True))
-    wanted = dict(zip(REFERENCE, sample, strict=True))
-    given = [np.ascontiguousarray(x) for x in (*measured.values(), *wanted.values())]
+    measured = sample.q, sample.v, sample.q + 1e-3, sample.v
+    given = [np.ascontiguousarray(x) for x in (*measured, *sample)]
     law = _Remembering(match.law)
     parameters = law_parameters(law, bench.control_period)
     return partial(law_kernel(bench.robot, law).call, *given, 0.3 * USUAL, law_memory(law), parameters)
