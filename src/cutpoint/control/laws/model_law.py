@@ -1,6 +1,7 @@
 """Base class of laws with a model of the robot."""
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -78,6 +79,19 @@ def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:
         if drive.is_elastic and drive.is_coupled:
             why = f"the rotor of {name!r} has full coupling, so links feel more than their springs"
             raise InputError(f"{law}: {why}; use {remedy}", joint=name)
+
+
+def with_models(law: Any, model_of: Callable[[ModelLaw], Robot]) -> Any:
+    """The same law and gains on other models; in sums and wrappers, each law with a model on another."""
+    if isinstance(law, tuple):
+        return tuple(with_models(part, model_of) for part in law)
+    if not isinstance(law, Law) or not is_dataclass(law):
+        return law
+    found = {f.name: getattr(law, f.name) for f in fields(law)}
+    changed: dict[str, Any] = {name: with_models(x, model_of) for name, x in found.items() if name in ("law", "parts")}
+    if isinstance(law, ModelLaw):
+        changed |= {"robot": model_of(law), "parameters": None}
+    return replace(law, **changed) if changed else law
 
 
 def without_springs(robot: Robot) -> Robot:

@@ -1,7 +1,7 @@
 """Stability of a sampled control law on a robot with elastic joints, linearised at a pose."""
 
 import math
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from types import NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.control.interface import SENSED, Control, name_of
-from cutpoint.control.law import Law, as_law, check_drives
-from cutpoint.control.laws.model_law import ModelLaw, check_all_driven
+from cutpoint.control.law import as_law, check_drives
+from cutpoint.control.laws.model_law import ModelLaw, check_all_driven, with_models
 from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
 from cutpoint.control.sensors import SAMPLED, Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
@@ -230,7 +230,7 @@ def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[R
     check_drives(made, robot.joints)
     check_all_driven(function, robot)
     bare = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
-    return bare, checked_pose(function, robot, q), on_bare_drives(made)
+    return bare, checked_pose(function, robot, q), with_models(made, _bare_model)
 
 
 def _linear(robot: Robot, q: Array) -> "LinearModel":
@@ -249,19 +249,10 @@ def _viscous(law: Friction | None) -> Friction | None:
     return Coulomb(0.0, sliding.viscosity) if isinstance(sliding, Sliding) and sliding.viscosity else None
 
 
-def on_bare_drives(law: Any) -> Any:
-    """The same law on models whose drives have viscous friction only, and no kinematic error."""
-    if isinstance(law, tuple):
-        return tuple(on_bare_drives(part) for part in law)
-    if not isinstance(law, Law) or not is_dataclass(law):
-        return law
-    found = {f.name: getattr(law, f.name) for f in fields(law)}
-    changed: dict[str, Any] = {name: on_bare_drives(x) for name, x in found.items() if name in ("law", "parts")}
-    if isinstance(law, ModelLaw):
-        drives = rebuild([*law.robot.drives.values()], iter([*law.parameters]))
-        changed["robot"] = law.robot.with_drives(dict(zip(law.robot.drives, map(_bare, drives), strict=True)))
-        changed["parameters"] = None
-    return replace(law, **changed) if changed else law
+def _bare_model(law: ModelLaw) -> Robot:
+    """A law's model with drives that have viscous friction only, and no kinematic error."""
+    drives = rebuild([*law.robot.drives.values()], iter([*law.parameters]))
+    return law.robot.with_drives(dict(zip(law.robot.drives, map(_bare, drives), strict=True)))
 
 
 def _slopes(function: str, robot: Robot, law: Any, model: "LinearModel", period: float) -> _Slopes:

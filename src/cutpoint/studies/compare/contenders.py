@@ -1,7 +1,7 @@
 """The compared laws: each with a name, its requirements, and a constructor from model, gains and period."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cutpoint.control import (
@@ -15,14 +15,12 @@ from cutpoint.control import (
     Feedforward,
     FullStateFeedback,
     GravityCompensation,
-    Law,
     Robust,
     SlotineLi,
     SuperTwisting,
 )
 from cutpoint.control.tuning.design import Design
 from cutpoint.control.tuning.recipes import RECIPES
-from cutpoint.robot import Robot
 
 OURS = ("vdc", "vdc_filter", "adaptive", "natural")
 """Keys of the laws that are virtual decomposition control."""
@@ -95,20 +93,3 @@ CONTENDERS: tuple[Contender, ...] = (
         _tuned(AdaptiveVDC, update="natural", body_rate=NATURAL_RATE, joint_rate=RATE),
     ),
 )  # fmt: skip
-
-
-def believing(law: Any, model: Robot) -> Any:
-    """The same law and gains with another model."""
-    if not isinstance(law, Law):
-        return law
-    found: Mapping[str, Any] = {f.name: getattr(law, f.name) for f in fields(law)}  # type: ignore[arg-type]
-    changed: dict[str, Any] = {}
-    if "parts" in found:
-        changed["parts"] = tuple(believing(part, model) for part in found["parts"])
-    if "law" in found:
-        changed["law"] = believing(found["law"], model)
-    if "robot" in found:
-        changed["robot"] = model
-    if "parameters" in found:
-        changed["parameters"] = None
-    return replace(law, **changed) if changed else law  # type: ignore[type-var]

@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.control.laws.model_law import with_models
 from cutpoint.errors import SimulationError
 from cutpoint.simulation import StiffnessWarning, simulate
 from cutpoint.studies.compare.bench import Bench
-from cutpoint.studies.compare.contenders import believing
 from cutpoint.studies.compare.scenarios import Case
 
 
@@ -52,7 +52,7 @@ def outcome(bench: Bench, law: Any, cases: Iterable[Case], heard: Callable[[], A
 
 def score(bench: Bench, law: Any, case: Case) -> Score:
     """Raises KeyboardInterrupt if the run was interrupted."""
-    told = believing(law, case.model)
+    told = with_models(law, lambda _: case.model)
     try:
         with warnings.catch_warnings():  # a law that deflects springs this far has failed anyway
             warnings.simplefilter("ignore", StiffnessWarning)
