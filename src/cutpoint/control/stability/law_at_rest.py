@@ -33,6 +33,28 @@ class _Step(NamedTuple):
     fault: Any
 
 
+class Slopes(NamedTuple):
+    """output = at_once @ input + from_memory @ memory, next memory = into_memory @ input + kept @ memory."""
+
+    at_once: Array
+    from_memory: Array
+    into_memory: Array
+    kept: Array
+
+    @property
+    def matter(self) -> NDArray[np.bool_]:
+        """Which numbers of memory the input changes and the output feels, directly or through other numbers."""
+        moved, felt = (self.into_memory != 0).any(axis=1), (self.from_memory != 0).any(axis=0)
+        for _ in range(len(self.kept)):
+            moved, felt = moved | (self.kept[:, moved] != 0).any(axis=1), felt | (self.kept[felt] != 0).any(axis=0)
+        return moved & felt
+
+    def of_what_matters(self) -> "Slopes":
+        """Without the other numbers of memory."""
+        m = self.matter
+        return Slopes(self.at_once, self.from_memory[:, m], self.into_memory[m], self.kept[m][:, m])
+
+
 class LawAtRest:
     """A law in equilibrium: it holds the robot at rest under its load, with constant reference and memory.
 
@@ -58,7 +80,7 @@ class LawAtRest:
             self.memory = self.response(0 * self._seen, self.memory)[1]
             self._time += period
             if k.bit_count() == 1:  # often at first, since a law changes most during its first samples
-                self._balance(point.motor_torque, self._matters())
+                self._balance(point.motor_torque, self.slopes().matter)
         fault = self._answer(0 * self._seen, self.memory, self._shift)[2]
         if fault > 0:
             rule = f"reports fault {fault:g} (see `control.Fault`) at rest at this pose, and then holds nothing"
@@ -72,12 +94,12 @@ class LawAtRest:
         asked = self._seen[[0, 2]] + shift
         return self._step(*(self._seen + moved), *asked, self._time, memory, self._numbers)
 
-    def _matters(self) -> NDArray[np.bool_]:
-        """Which numbers of memory depend on motion and affect torque."""
+    def slopes(self) -> Slopes:
+        """Of torque with respect to measured q, v, theta and theta_dot (4 n,)."""
         at_rest = 0 * self._seen
-        of_state = differences(lambda x: self.response(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
+        of_seen = differences(lambda x: self.response(x.reshape(at_rest.shape), self.memory), at_rest.ravel())
         of_memory = differences(lambda m: self.response(at_rest, m), self.memory)
-        return between(of_state[1], of_memory[1], of_memory[0])
+        return Slopes(of_seen[0], of_memory[0], of_seen[1], of_memory[1])
 
     def _balance(self, load: Array, free: NDArray[np.bool_]) -> None:
         """The smallest change of reference and free memory for which torque equals the load, N m, and that memory stays
@@ -131,14 +153,3 @@ def differences(function: Any, at: Array) -> tuple[Array, Array]:
         torque, memory = function(at)
         return np.zeros((len(torque), 0)), np.zeros((len(memory), 0))
     return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
-
-
-def between(of_state: Array, of_memory: Array, on_torque: Array) -> NDArray[np.bool_]:
-    """Which numbers of memory are both changed by motion and felt in torque, directly or through other numbers.
-
-    of_state (m, x), of_memory (m, m): their dependence on state and memory.  on_torque (n, m): torque's on them.
-    """
-    moved, felt = (of_state != 0).any(axis=1), (on_torque != 0).any(axis=0)
-    for _ in range(len(of_memory)):
-        moved, felt = moved | (of_memory[:, moved] != 0).any(axis=1), felt | (of_memory[felt] != 0).any(axis=0)
-    return moved & felt

@@ -13,7 +13,7 @@ from cutpoint.control.law import as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven, with_models
 from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
 from cutpoint.control.sensors import SAMPLED, Encoders, Sensors, encoders_of
-from cutpoint.control.stability.law_at_rest import LawAtRest, between, differences
+from cutpoint.control.stability.law_at_rest import LawAtRest, Slopes, differences
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding
@@ -147,16 +147,7 @@ def check_delays(function: str, robot: Robot, period: float) -> None:
             raise InputError(f"{function}: joint {name!r}: {told}; {remedy}", joint=name, delay=drive.motor.delay)
 
 
-class _Slopes(NamedTuple):
-    """output = at_once @ input + from_memory @ memory, next memory = into_memory @ input + kept @ memory."""
-
-    at_once: Array
-    from_memory: Array
-    into_memory: Array
-    kept: Array
-
-
-def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
+def _encoded(function: str, encoders: Encoders, period: float) -> Slopes:
     """Measured q, v, theta and theta_dot (4 n,), in that order, without noise and rounding."""
     n, delayed = encoders.size, 4 * encoders.size * encoders.delay
     kept = delayed + (2 * n if encoders.differenced else 0)
@@ -174,7 +165,7 @@ def _encoded(function: str, encoders: Encoders, period: float) -> _Slopes:
         return np.array([*np.array(reading)[order], *line, *before])
 
     slopes = np.stack([measured(one) for one in np.eye(4 * n + kept)], axis=1)
-    return _Slopes(*(x for rows in np.split(slopes, [4 * n]) for x in np.split(rows, [4 * n], axis=1)))
+    return Slopes(*(x for rows in np.split(slopes, [4 * n]) for x in np.split(rows, [4 * n], axis=1)))
 
 
 class _Plant(NamedTuple):
@@ -255,14 +246,9 @@ def _bare_model(law: ModelLaw) -> Robot:
     return law.robot.with_drives(dict(zip(law.robot.drives, map(_bare, drives), strict=True)))
 
 
-def _slopes(function: str, robot: Robot, law: Any, model: "LinearModel", period: float) -> _Slopes:
+def _slopes(function: str, robot: Robot, law: Any, model: "LinearModel", period: float) -> Slopes:
     """Slopes of a law's torque and memory with respect to measured q, v, theta and theta_dot (4 n,)."""
-    at = LawAtRest(robot, law, model.point, period)
-    rest = np.zeros((4, len(robot.drives)))
-    of_seen = differences(lambda x: at.response(x.reshape(rest.shape), at.memory), rest.ravel())
-    of_memory = differences(lambda m: at.response(rest, m), at.memory)
-    matter = between(of_seen[1], of_memory[1], of_memory[0])
-    slopes = _Slopes(of_seen[0], of_memory[0][:, matter], of_seen[1][matter], of_memory[1][np.ix_(matter, matter)])
+    slopes = LawAtRest(robot, law, model.point, period).slopes().of_what_matters()
     if not all(np.isfinite(x).all() for x in slopes):
         rule = "commands or remembers a number that is not finite at rest, so it has no slopes there"
         raise InputError(f"{function}: {name_of(law)} {rule}", q=model.point.q)
