@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.control.laws.adaptation import power_matrix
+from cutpoint.control.tuning.design import Design
 from cutpoint.joint_units import are_prismatic
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes, pseudo_inertia
 from cutpoint.mechanics.drives.compliance import LinearSpring
@@ -46,45 +47,42 @@ class Motion(NamedTuple):
     acceleration: Array
 
 
-def body_rate(robot: Robot, q: Array, inertia: Array, omega: float, *, natural: bool = False) -> float:
-    """1/J, at a pose.  inertia: (n,) kg m2, of links and rotors at each joint.  omega: rad/s.
-
-    natural: for `AdaptiveVDC(update="natural")`; otherwise for rates relative to nominal sizes, as in `SlotineLi`.
-    """
-    Y, p = _regressors(robot, q, _motion(robot, inertia, omega)), robot.inertial_parameters
-    scale = 1.0 / np.sqrt(inertia)
+def body_rate(w: Design, *, natural: bool = False) -> float:
+    """1/J.  natural: for `AdaptiveVDC(update="natural")`; else relative to nominal sizes, as in `SlotineLi`."""
+    Y, p = _regressors(w.robot, w.q, _motion(w)), w.robot.inertial_parameters
+    scale = 1.0 / np.sqrt(w.inertia)
     g = max(float(np.linalg.eigvalsh(scale[:, None] * _gain(each, p, natural) * scale)[-1]) for each in Y)
-    return _most(robot, q, inertia, omega) / g if g > 0.0 else 1.0
+    return _most(w) / g if g > 0.0 else 1.0
 
 
-def joint_rate(robot: Robot, q: Array, inertia: Array, omega: float, spring_gain: float) -> float:
-    """1/J, at a pose; arguments as in `body_rate`.  spring_gain: beta, rad/s."""
-    motion, most = _motion(robot, inertia, omega), _most(robot, q, inertia, omega)
-    torque = np.abs(_regressors(robot, q, motion) @ robot.inertial_parameters).max(axis=0)
+def joint_rate(w: Design, spring_gain: float) -> float:
+    """1/J.  spring_gain: beta, rad/s."""
+    motion, most = _motion(w), _most(w)
+    torque = np.abs(_regressors(w.robot, w.q, motion) @ w.robot.inertial_parameters).max(axis=0)
     found: list[float] = []
-    for k, drive in enumerate(robot.drives.values()):
+    for k, drive in enumerate(w.robot.drives.values()):
         fed = sum(x * x for x in _learnt_torques(drive, motion.speed[k], motion.acceleration[k]))
-        found += [most * inertia[k] / fed] if fed > 0.0 else []
+        found += [most * w.inertia[k] / fed] if fed > 0.0 else []
         if isinstance(drive.compliance, LinearSpring) and torque[k] > 0.0:
-            found.append(SLOWER * omega / spring_gain * float(drive.compliance.stiffness) / torque[k] ** 2)
+            found.append(SLOWER * w.omega / spring_gain * float(drive.compliance.stiffness) / torque[k] ** 2)
     return min(found, default=1.0)
 
 
-def _most(robot: Robot, q: Array, inertia: Array, omega: float) -> float:
+def _most(w: Design) -> float:
     """The largest g that bodies, or joints, may add, 1/s2: half of the total each."""
-    at, scale = [d.v for d in robot.machine.drives], 1.0 / np.sqrt(inertia)
-    M = robot.mass_matrix(q)[np.ix_(at, at)]
-    M = M + np.diag(inertia - np.diag(M))
+    at, scale = [d.v for d in w.robot.machine.drives], 1.0 / np.sqrt(w.inertia)
+    M = w.robot.mass_matrix(w.q)[np.ix_(at, at)]
+    M = M + np.diag(w.inertia - np.diag(M))
     mu = float(np.linalg.eigvalsh(scale[:, None] * M * scale)[-1])
-    return omega**2 / (4.0 * DAMPING**2 * mu) / 2.0
+    return w.omega**2 / (4.0 * DAMPING**2 * mu) / 2.0
 
 
-def _motion(robot: Robot, inertia: Array, omega: float) -> Motion:
+def _motion(w: Design) -> Motion:
     """The fastest motion that drives and robot allow."""
-    frequency = omega / (2.0 * np.pi * PERIODS)
-    size = np.where(are_prismatic(robot), STROKE, SWING)
-    fastest = np.array([limits.velocity for limits in robot.limits.values()])
-    strongest = robot.effort_limits / inertia
+    frequency = w.omega / (2.0 * np.pi * PERIODS)
+    size = np.where(are_prismatic(w.robot), STROKE, SWING)
+    fastest = np.array([limits.velocity for limits in w.robot.limits.values()])
+    strongest = w.robot.effort_limits / w.inertia
     speed, acceleration = 2.0 * size * frequency, 2.0 * np.pi * size * frequency**2
     return Motion(np.minimum(speed, fastest), np.minimum(acceleration, strongest))
 

@@ -52,15 +52,14 @@ def _vdc(w: Design, law: Any, **options: Any) -> Any:
 
 def _adaptive_vdc(w: Design, **options: Any) -> AdaptiveVDC:
     rates = {
-        "body_rate": body_rate(w.robot, w.q, w.inertia, w.omega, natural=options.get("update") == "natural"),
-        "joint_rate": joint_rate(w.robot, w.q, w.inertia, w.omega, 8 * w.omega),
+        "body_rate": body_rate(w, natural=options.get("update") == "natural"),
+        "joint_rate": joint_rate(w, 8 * w.omega),
     }
     return _vdc(w, AdaptiveVDC, **{**rates, **options})
 
 
 def _slotine_li(w: Design, **options: Any) -> SlotineLi:
-    rate = body_rate(w.robot, w.q, w.inertia, w.omega)
-    return SlotineLi(w.robot, w.omega, w.omega * w.inertia, **{"rate": rate, **options})
+    return SlotineLi(w.robot, w.omega, w.omega * w.inertia, **{"rate": body_rate(w), **options})
 
 
 def _robust(w: Design, **options: Any) -> Robust:

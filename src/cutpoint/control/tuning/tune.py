@@ -84,13 +84,12 @@ def tune(
             frequency and remedies.  A law that is discontinuous at rest is not tested.  Or a joint, such as a floating
             base, has no motor.
     """
-    names = [x.__name__ for x in RECIPES]
     check_robot("tune", robot)
     check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
     bandwidth = positive("tune", "bandwidth", bandwidth, "Hz")
     damping, period = positive("tune", "damping", damping), positive("tune", "control_period", control_period, "s")
     if law not in RECIPES:
-        raise unknown_name("law that can be tuned", law.__name__, names)
+        raise unknown_name("law that can be tuned", law.__name__, [x.__name__ for x in RECIPES])
     check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_pose("tune", robot, q)
 
