@@ -43,8 +43,12 @@ class Design(NamedTuple):
 
 def design_of(robot: Robot, q: Array, omega: float, damping: float, period: float) -> Design:
     """Inputs of gain design: omega, rad/s; damping, a ratio; period, s."""
-    driven = robot.machine.drives
-    M, weight = robot.mass_matrix(q), robot.gravity_forces(q)
-    link = np.array([M[d.v, d.v] for d in driven])
-    rotor = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in driven])
-    return Design(robot, q, link, rotor, np.array([weight[d.v] for d in driven]), omega, damping, period)
+    weight = robot.gravity_forces(q)[[d.v for d in robot.machine.drives]]
+    return Design(robot, q, *inertias(robot, q), weight, omega, damping, period)
+
+
+def inertias(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """Inertia of links and of elastic drives' rotors at each joint, (n,) each, kg m2."""
+    M, driven = robot.mass_matrix(q), robot.machine.drives
+    rotor = [d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in driven]
+    return np.array([M[d.v, d.v] for d in driven]), np.array(rotor)

@@ -10,7 +10,7 @@ from cutpoint.callers import warn
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.margins import peak_sensitivity
 from cutpoint.control.stability.sampled_loop import STEADY, SampledPole, sampled_loop, slowest_of
-from cutpoint.control.tuning.design import design_of
+from cutpoint.control.tuning.design import inertias
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
@@ -127,10 +127,10 @@ def _other_remedies(robot: Robot, law: Any, q: Array, joint: str) -> list[str]:
 def _light_rotor(robot: Robot, q: Array, joint: str) -> list[str]:
     """A remedy if the joint's rotor inertia is nearly zero, like that of a gear without its motor."""
     k = robot.joints.index(joint)
-    found = design_of(robot, q, 1.0, 1.0, 1.0)
-    if not 0 < found.rotor[k] < LIGHT * found.link[k]:
+    link, rotor = (each[k] for each in inertias(robot, q))
+    if not 0 < rotor < LIGHT * link:
         return []
-    felt = f"{joint!r} has a rotor of {found.rotor[k]:.2g} kg m2 at the joint, under {found.link[k]:.2g} of the link"
+    felt = f"{joint!r} has a rotor of {rotor:.2g} kg m2 at the joint, under {link:.2g} of the link"
     return [f"{felt}: a catalogue gear's is without its motor, whose inertia belongs into it"]
 
 
@@ -141,7 +141,7 @@ def _stopped(robot: Robot, q: Array) -> float:
     2 / pi of its torque times V.
     """
     dry = np.array([_dry(x.link_friction) + _dry(x.motor_friction) for x in robot.drives.values()])
-    fed = np.maximum(design_of(robot, q, 1.0, 1.0, 1.0).inertia, TINY) * SWINGING
+    fed = np.maximum(sum(inertias(robot, q)), TINY) * SWINGING
     return float(min(STOPPED, (2 / np.pi * dry / fed).min()))
 
 
