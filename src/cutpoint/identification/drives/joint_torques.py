@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from cutpoint.identification.conditioning.filtering import derivative, low_pass
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
@@ -61,35 +61,33 @@ def smoothing_of(drive: Drive, otherwise: float) -> float:
 
 def torque_left(
     rotor: RotorEstimate,
-    theta: ArrayLike,
-    torque: ArrayLike,
+    theta: Array,
+    torque: Array,
     period: float,
     delay: float,
-    transmission: ArrayLike,
+    transmission: Array,
 ) -> tuple[Array, dict[str, Array]]:
     """The motor's torque (N,), N m, less that of its rotor and friction, (N,), NaN at the ends; and its derivatives by
     inertia and friction of the estimate, which `corrected` takes.
 
-    theta: (N,), rad.  period, delay: s.  transmission: 1 - e'(theta).
+    theta: (N,), rad.  period, delay: s.  transmission: (N,), 1 - e'(theta).
     """
-    angle, given = np.asarray(theta, dtype=np.float64), np.asarray(torque, dtype=np.float64)
-    share = np.asarray(transmission, dtype=np.float64)
     # differences of samples average what acts between them, held torque too; springs act at the samples
     part = delay / period % 1.0
-    acceleration = sharpened(derivative(angle, period, 2))
-    acting = sharpened(late(given, period, delay), 4.0 * part * (1.0 - part))
-    speed = sharpened(derivative(angle, period), 1.0, CENTRAL)
+    acceleration = sharpened(derivative(theta, period, 2))
+    acting = sharpened(late(torque, period, delay), 4.0 * part * (1.0 - part))
+    speed = sharpened(derivative(theta, period), 1.0, CENTRAL)
     direction = np.tanh(speed / rotor.smoothing)
     by = {
-        "inertia": -acceleration / share,
-        "viscous": -speed / share,
-        "coulomb": -direction / share,
+        "inertia": -acceleration / transmission,
+        "viscous": -speed / transmission,
+        "coulomb": -direction / transmission,
     }
-    left = (acting + rotor["offset"]) / share
+    left = (acting + rotor["offset"]) / transmission
     for name, column in by.items():
         left = left + rotor[name] * column
     # the law of dry friction is linear in its smoothing only locally
-    by["smoothing"] = rotor["coulomb"] * (1.0 - direction**2) * speed / rotor.smoothing**2 / share
+    by["smoothing"] = rotor["coulomb"] * (1.0 - direction**2) * speed / rotor.smoothing**2 / transmission
     return left, by
 
 
@@ -119,8 +117,8 @@ def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
     return replace(rotor, values=values, covariance=spread, smoothing=smoothing)
 
 
-def transmitted_share(spring: SpringEstimate | None, theta: Array, ratio: float) -> Array:
+def transmitted_share(spring: SpringEstimate, theta: Array, ratio: float) -> Array:
     """1 - e'(theta), (N,): the share of the spring's torque that acts on the motor."""
-    if spring is None or spring.kinematic_error is None:
+    if spring.kinematic_error is None:
         return np.ones_like(theta)
     return 1.0 - np.asarray(spring.kinematic_error.slope(theta, ratio))

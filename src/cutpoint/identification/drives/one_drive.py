@@ -97,19 +97,10 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     resolution: of both encoders together, rad at the joint's side.  cutoff: Hz, for the rotor.
     Raises InputError: currents without a determinable torque constant, or channels that do not identify the drive.
     """
-    ratio, period, kind = drive.ratio, joint.period, "current" if joint.is_current else "torque"
+    ratio, period = drive.ratio, joint.period
     joint, shows_play = _beyond_play(joint, drive, resolution)
     spring, load, stated = _from_links(joint, ratio, resolution)
-    rotor = motor_side(
-        joint.theta,
-        load,
-        period,
-        ratio,
-        transmission=transmitted_share(spring, joint.theta, ratio),
-        cutoff=cutoff,
-        delay=joint.delay,
-        **{kind: joint.effort},
-    )
+    rotor = _rotor(joint, ratio, spring, load, cutoff, joint.delay)
     if why := rotor.unidentifiable.get("torque constant"):
         raise InputError(f"motor_side: {why}, or give torques")
     spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution, spring_of(drive.compliance))
@@ -125,12 +116,17 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
 
 
 def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float) -> Delay:
-    share, kind = transmitted_share(spring, joint.theta, ratio), "current" if joint.is_current else "torque"
-    load = spring.torque(joint.theta, joint.q, ratio)
-    found = motor_side(
-        joint.theta, load, joint.period, ratio, transmission=share, cutoff=cutoff, delay=None, **{kind: joint.effort}
-    )
+    found = _rotor(joint, ratio, spring, spring.torque(joint.theta, joint.q, ratio), cutoff, None)
     return Delay(found["delay"], found.deviations["delay"])
+
+
+def _rotor(
+    joint: Channels, ratio: float, spring: SpringEstimate, load: Array, cutoff: float, delay: float | None
+) -> RotorEstimate:
+    """The rotor from the motor's torque or current.  load: (N,), N m, of the drive on the link."""
+    effort = {"current" if joint.is_current else "torque": joint.effort}
+    share = transmitted_share(spring, joint.theta, ratio)
+    return motor_side(joint.theta, load, joint.period, ratio, transmission=share, cutoff=cutoff, delay=delay, **effort)
 
 
 def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
