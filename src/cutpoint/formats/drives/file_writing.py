@@ -12,7 +12,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.model.drive import Drive
 
 ELEMENTS = 4
-"""Remark on hysteresis that a drive file cannot express directly."""
+"""Of hysteresis that a drive file cannot express as it is."""
 
 
 def remarked_drives(

@@ -12,9 +12,9 @@ def quantity(rotary: str, linear: str, meaning: str, default: Any = ..., **rules
     return Field(default, description=meaning, json_schema_extra=units, **rules)
 
 
-def short(word: str, meaning: str, default: Any = ..., **rules: Any) -> Any:
+def short(word: str, meaning: str, default: Any) -> Any:
     """A field that holds a mapping, or `word` in its place."""
-    return Field(default, description=meaning, json_schema_extra={"short": word}, **rules)
+    return Field(default, description=meaning, json_schema_extra={"short": word})
 
 
 class Sheet(BaseModel):

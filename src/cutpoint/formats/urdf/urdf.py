@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -92,13 +92,9 @@ def load_urdf(
         content, place = expand(path, xacro or {}), f"{path}, expanded"
     elif xacro:
         raise InputError(f"arguments {listed(xacro)} are for .xacro files, got {place!r}: leave them out", path=path)
-    options: dict[str, Any] = {
-        "gravity": gravity,
-        "floating_base": floating_base,
-        "lock": lock,
-        "mend_inertia": mend_inertia,
-    }
-    return parse_urdf(content, place, mimic=mimic, **options)
+    return parse_urdf(
+        content, place, gravity=gravity, floating_base=floating_base, lock=lock, mimic=mimic, mend_inertia=mend_inertia
+    )
 
 
 def parse_urdf(
