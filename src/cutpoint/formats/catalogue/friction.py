@@ -1,7 +1,7 @@
 """Friction of a gear from its data sheet: starting torque, no-load running torque, efficiency."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import nnls
@@ -61,7 +61,7 @@ def _from_running(gear: CatalogueGear) -> InputFriction:
         else:
             slope = max(0.0, float(speed @ (torque - dry) / (speed @ speed)))
     found = InputFriction(_number(dry), _number(slope))
-    return InputFriction(found.dry, found.slope, _share(gear, found))
+    return replace(found, per_load=_share(gear, found))
 
 
 def _share(gear: CatalogueGear, unloaded: InputFriction) -> float | None:
