@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 from cutpoint.formats import catalogue_gear, catalogue_names
 from cutpoint.formats.catalogue.sheets import CatalogueGear, Group, Source
-from cutpoint.studies.drive.measured import Specimen, arc_minutes
+from cutpoint.model.units import ARC_MINUTE
+from cutpoint.studies.drive.measured import Specimen
 from cutpoint.studies.drive.text import PARTS
 
 DOCUMENT = Path(__file__).resolve().parents[1] / "docs" / "catalogue.md"
@@ -90,10 +91,10 @@ def checks(specimen: Specimen) -> Iterator[Check]:
         for what, sheet, laws in zip(("0 to T1", "T1 to T2"), stated, drive.chords, strict=True):
             yield Check(f"stiffness{together}, {what}", float(sheet), laws, "N m/rad", gear.stiffness)
     if gear.hysteresis and drive.loop:
-        loss = arc_minutes(drive.loop.width)
+        loss = drive.loop.width / ARC_MINUTE
         yield Check("hysteresis loss", gear.hysteresis.loss_arcmin, loss, "arcmin", gear.hysteresis)
     if gear.accuracy:
-        measured = arc_minutes(drive.accuracy)
+        measured = drive.accuracy / ARC_MINUTE
         yield Check("transmission accuracy", gear.accuracy.transmission_arcmin, measured, "arcmin", gear.accuracy)
     if not gear.motor:
         yield from friction_checks(specimen)
@@ -143,7 +144,7 @@ def _summary(specimens: list[Specimen]) -> dict[str, object]:
     fit = max(abs(c.departure) for s, c in found if c.quantity.startswith("efficiency") and s.is_fitted)
     first, second = (f"{min(d):+.1f} to {max(d):+.1f}" for d in departures)
     beyond = sum(not _within(s, exact=True) for s in curves.values())
-    short = [arc_minutes(_straight(s) - s.loop.span / 2) for s in specimens if s.gear.hysteresis and s.loop]
+    short = [(_straight(s) - s.loop.span / 2) / ARC_MINUTE for s in specimens if s.gear.hysteresis and s.loop]
     return {
         "first": first,
         "second": second,

@@ -1,9 +1,12 @@
-"""Units at the side of a prismatic joint, and a motor's."""
+"""Units at the side of a prismatic joint, and makers'."""
 
 import math
 
 RPM = math.pi / 30.0
 """rad/s"""
+
+ARC_MINUTE = math.pi / 180 / 60
+"""rad"""
 
 SLIDING = {
     "N m": "N",

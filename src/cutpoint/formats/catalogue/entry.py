@@ -2,16 +2,11 @@
 
 from typing import Any
 
-import numpy as np
-
 from cutpoint.formats.catalogue.friction import InputFriction, times
 from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.formats.drives.words import stated
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
-from cutpoint.model.units import RPM
-
-ARC_MINUTE = np.pi / 180 / 60
-"""rad"""
+from cutpoint.model.units import ARC_MINUTE, RPM
 
 
 def drive_entry(gear: CatalogueGear, friction: InputFriction) -> dict[str, Any]:

@@ -3,12 +3,12 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
+from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop
-from cutpoint.studies.drive.measured import Specimen, arc_minutes
+from cutpoint.studies.drive.measured import Specimen
 
 _ORDERS = 8
 """Highest order of the spectrum, waves per turn."""
@@ -46,7 +46,7 @@ def _segments(axes: Axes, spring: CatalogueSpring, peak: float) -> None:
 
 def _loss(axes: Axes, loop: Loop) -> None:
     """The loop's width at zero torque, marked."""
-    half = arc_minutes(loop.width) / 2
+    half = loop.width / ARC_MINUTE / 2
     axes.plot([-half, half], [0, 0], color=FORCE, lw=2.5, solid_capstyle="butt")
     text = f"hysteresis loss\n{2 * half:.3g} arcmin"
     arrow = {"arrowstyle": "-", "color": FORCE, "lw": 0.8}

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_friction, catalogue_gear
-from cutpoint.formats.catalogue.entry import ARC_MINUTE
-from cutpoint.formats.catalogue.friction import RPM, InputFriction
+from cutpoint.formats.catalogue.friction import InputFriction
 from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Drive
+from cutpoint.model.units import RPM
 from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop, cycle
 
@@ -104,7 +104,3 @@ class Specimen:
     def _friction(self, rpm: float, load: float) -> float:
         law = self.drive.motor_friction
         return 0.0 if law is None else float(law.torque(rpm * RPM / abs(self.drive.ratio), load))
-
-
-def arc_minutes(angle: float) -> float:
-    return angle / ARC_MINUTE

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from cutpoint.formats.catalogue.sheets import Efficiency, Group, Running
-from cutpoint.studies.drive.measured import Specimen, arc_minutes
+from cutpoint.model.units import ARC_MINUTE
+from cutpoint.studies.drive.measured import Specimen
 
 SPEEDS = (500.0, 1000.0, 2000.0, 3500.0)
 """rpm of the input, at which makers print efficiency."""
@@ -75,7 +76,7 @@ def _stiffness(specimen: Specimen) -> Iterator[Derived]:
 def _angles(specimen: Specimen) -> Iterator[Derived]:
     gear = specimen.gear
     if specimen.loop and gear.hysteresis:
-        loss = f"{arc_minutes(specimen.loop.width):.4g}"
+        loss = f"{specimen.loop.width / ARC_MINUTE:.4g}"
         yield Derived(
             "hysteresis loss", loss, f"{gear.hysteresis.loss_arcmin:g}", "arcmin", f"to {specimen.load:g} N m"
         )
@@ -84,11 +85,11 @@ def _angles(specimen: Specimen) -> Iterator[Derived]:
         springy = bool(gear.output and gear.output.spring)
         stated = f"at most {bound:g}" if bound and not springy else ""
         remark = "with the output's spring" if springy else "to 4 % of rated torque"
-        yield Derived("lost motion", f"{arc_minutes(specimen.lost_motion):.3g}", stated, "arcmin", remark)
+        yield Derived("lost motion", f"{specimen.lost_motion / ARC_MINUTE:.3g}", stated, "arcmin", remark)
     if gear.accuracy:
         stated = f"{gear.accuracy.transmission_arcmin:g}"
         yield Derived(
-            "transmission accuracy", f"{arc_minutes(specimen.accuracy):.4g}", stated, "arcmin", "peak to peak"
+            "transmission accuracy", f"{specimen.accuracy / ARC_MINUTE:.4g}", stated, "arcmin", "peak to peak"
         )
 
 

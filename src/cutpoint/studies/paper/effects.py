@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
-from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.friction import STATED_AT, Coulomb
+from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.page import Page, Picture, listed, number
 from cutpoint.robot import Robot
 from cutpoint.studies import drive_effects as sizes

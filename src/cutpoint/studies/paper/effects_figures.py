@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.friction import Stribeck
 from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model.drive import Drive
+from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from cutpoint.formats.catalogue.entry import ARC_MINUTE
 from cutpoint.mechanics.drives.motor import shaft_torque
 from cutpoint.model.drive import Drive
+from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.simulation import Log
 from cutpoint.studies.chain import Array
