@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.load import Load
-from cutpoint.trajectories.arrays import durations
-
-Array = NDArray[np.float64]
+from cutpoint.trajectories.arrays import Array, durations
 
 
 @dataclass(frozen=True)

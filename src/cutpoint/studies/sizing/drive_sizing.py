@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
 from cutpoint.studies.sizing import duty
@@ -11,9 +9,6 @@ from cutpoint.studies.sizing.demand import Demand, demand_of
 from cutpoint.studies.sizing.load import Load
 from cutpoint.studies.sizing.margins import Margin, margins_of, travel_of
 from cutpoint.trajectories.arrays import durations
-
-TO_RPM = 30 / np.pi
-"""Turns a minute for each rad/s: as motors' speeds are shown."""
 
 
 @dataclass(frozen=True)

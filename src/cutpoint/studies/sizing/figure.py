@@ -9,14 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 
 from cutpoint.mechanics.drives.motor import within_limits
+from cutpoint.model.units import RPM
 from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
-from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
+from cutpoint.studies.sizing.drive_sizing import DriveSizing
 from cutpoint.studies.sizing.load import Load
-
-Array = NDArray[np.float64]
+from cutpoint.trajectories.arrays import Array
 
 PANEL = (3.6, 3.1)
 """Inches of one panel."""
@@ -77,7 +76,7 @@ def _drawn(drives: Sequence[DriveSizing], load: Load) -> Figure:
 
 
 def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
-    ratio, speed = drive.drive.ratio, load.motor_speed[:, k] * TO_RPM
+    ratio, speed = drive.drive.ratio, load.motor_speed[:, k] / RPM
     moves = np.abs(speed) > STANDSTILL * np.abs(speed).max(initial=0.0)
     gear, motor = load.output_torque[:, k], load.motor_torque[:, k] * ratio
     # at rest, what pushes along a motion is what holds
@@ -90,7 +89,7 @@ def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
         axes.plot(np.abs(speed), np.where(moves, torque, np.nan), **SAMPLES[sample], label=sample)
     # an average has no sign: it stands on the side of the larger torques
     side = 1 if gear[moves].max(initial=0.0) >= -gear[moves].min(initial=0.0) else -1
-    average = drive.demand.mean_motor_speed * TO_RPM, side * drive.demand.average_torque
+    average = drive.demand.mean_motor_speed / RPM, side * drive.demand.average_torque
     axes.plot(*average, **SAMPLES[AVERAGE], label=AVERAGE, zorder=5)
     for failed in drive.failures:
         at = average
@@ -109,7 +108,7 @@ def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> N
     highest = momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest
     lowest = min(-0.2 * highest, 1.3 * float(torques.min()))
     axes.set_ylim(lowest, highest + HEADROOM * (highest - lowest))
-    axes.set_xlim(0, 1.08 * (max(fastest, maximum * TO_RPM) if maximum < np.inf else fastest) or 1.0)
+    axes.set_xlim(0, 1.08 * (max(fastest, maximum / RPM) if maximum < np.inf else fastest) or 1.0)
     axes.axhline(0, color=INK, lw=0.7, zorder=1)
     axes.grid(False)
 
@@ -121,7 +120,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
         ("repeated peak torque", "maximum speed", STARTS),
         ("average torque", "average speed", AVERAGES),
     ):
-        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) * TO_RPM, right)
+        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) / RPM, right)
         if high < np.inf:
             edge = FORCE if broken & {torque, speed} else FAINT
             look = {**SAMPLES[zoned], "edgecolor": edge}
@@ -133,7 +132,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
         _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, -11), "left", FAINT)
     rated = drive.drive.ratings
     if rated and rated.rated_torque is not None and rated.rated_speed is not None:
-        speed = rated.rated_speed * TO_RPM
+        speed = rated.rated_speed / RPM
         if speed < right and rated.rated_torque < axes.get_ylim()[1]:
             axes.plot(speed, rated.rated_torque, **SAMPLES[RATED], label=RATED)
 
@@ -148,7 +147,7 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
     """Driving and braking torque within the motor's current, its voltage and the torque limits, over speed."""
     speeds, (low, high) = np.linspace(0, axes.get_xlim()[1], 4000), axes.get_ylim()
-    bound, at_joint = min(_allowed(drive, "motor torque"), ENDLESS), speeds / TO_RPM / abs(drive.drive.ratio)
+    bound, at_joint = min(_allowed(drive, "motor torque"), ENDLESS), speeds * RPM / abs(drive.drive.ratio)
     for sign in (1.0, -1.0):
         pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), at_joint)
         curve = np.clip(pushed, -bound, bound)

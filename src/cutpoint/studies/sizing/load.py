@@ -11,9 +11,8 @@ from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
+from cutpoint.trajectories.arrays import Array
 from cutpoint.trajectories.trajectory import Moves
-
-Array = NDArray[np.float64]
 
 FEWEST, MOST = 2_000, 500_000
 """Intervals into which a motion is cut: at least, and at most."""

@@ -4,13 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint.model import Drive, Limits, Motor, Ratings
 from cutpoint.model.units import joint_unit
 from cutpoint.studies.sizing.demand import Demand, Peak
-
-Array = NDArray[np.float64]
+from cutpoint.trajectories.arrays import Array
 
 ROUNDING = 1e-9
 """A margin that falls short of 1 by less is one that is met exactly."""

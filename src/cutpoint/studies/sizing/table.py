@@ -7,8 +7,9 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from cutpoint.mechanics.drives.backlash import Backlash
+from cutpoint.model.units import RPM
 from cutpoint.studies.sizing.demand import Peak
-from cutpoint.studies.sizing.drive_sizing import TO_RPM, DriveSizing
+from cutpoint.studies.sizing.drive_sizing import DriveSizing
 from cutpoint.studies.sizing.margins import Margin
 from cutpoint.studies.sizing.sizing import Sizing
 
@@ -75,8 +76,8 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
         found.joint,
         _of(asked.output_torque, found, "repeated peak torque"),
         _of(asked.average_torque, found, "average torque"),
-        _of(asked.motor_speed, found, "maximum speed", TO_RPM),
-        _of(asked.mean_motor_speed, found, "average speed", TO_RPM),
+        _of(asked.motor_speed, found, "maximum speed", 1 / RPM),
+        _of(asked.mean_motor_speed, found, "average speed", 1 / RPM),
         "-" if asked.current is None else _of(asked.current, found, "motor current"),
         "-" if found.life is None else _hours(found.life),
         "-" if tightest is None else _margin(tightest.value),
@@ -95,7 +96,7 @@ def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0
 def _told(margin: Margin) -> str:
     """Demand and limit, and when and where."""
     is_speed = margin.limit.startswith(("average speed", "maximum speed"))
-    factor, unit = (TO_RPM, "rpm") if is_speed else (1.0, margin.unit)
+    factor, unit = (1 / RPM, "rpm") if is_speed else (1.0, margin.unit)
     if margin.limit == "life":
         return f"{_hours(margin.allowed)} h, and {_hours(margin.demanded)} h are asked"
     told = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"
