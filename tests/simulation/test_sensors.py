@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cutpoint import InputError, Log, Sensors, simulate
-from cutpoint.control import PD
+from cutpoint.control import PD, Measurement, Reference
 from cutpoint.simulation.loop.noise import Noise
 from cutpoint.trajectories import quintic
 from robot_library import frictionless, robot
@@ -31,6 +31,24 @@ def test_a_delay_of_k_periods_shifts_every_measurement_by_k_samples(periods, bac
         seen, true = log[f"measured_{name}"], log[name]
         assert np.array_equal(seen[periods:], true[: len(true) - periods])
         assert np.array_equal(seen[:periods], np.repeat(true[:1], periods, axis=0))
+
+
+class Branching:
+    """A law that cannot be compiled."""
+
+    def step(self, memory: None, measured: Measurement, reference: Reference) -> tuple[None, np.ndarray]:
+        return memory, np.array([2.0 * error if error > 0 else error for error in reference.theta - measured.theta])
+
+
+@pytest.mark.filterwarnings("ignore::cutpoint.simulation.UntracedControllerWarning")
+@pytest.mark.parametrize(
+    ("law", "accuracy"), [(Branching(), "standard"), (Branching(), "reference"), (SOFT, "reference")]
+)
+def test_a_delay_of_several_periods_is_for_every_law_and_integrator(law: Any, accuracy: Any):
+    ours, sensors = frictionless(robot("xia2019")), Sensors(delay=3 * PERIOD)
+    log = simulate(ours, law, PATH, 0.01, PERIOD, sensors=sensors, accuracy=accuracy)
+    assert np.array_equal(log["measured_theta"][3:], log["theta"][:-3])
+    assert np.ptp(log["theta"][3:], axis=0).all()
 
 
 def test_resolution_rounds_positions_to_the_nearest_step():

@@ -13,7 +13,7 @@ from cutpoint.errors import TraceError
 from cutpoint.joint_units import at_joints
 from cutpoint.kernels import Program
 from cutpoint.reporting.bar import Bar
-from cutpoint.simulation.loop.loop import INTEGRATION, ClosedLoop
+from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.step import TABLEAU
 from cutpoint.simulation.plant import State
 
@@ -160,10 +160,8 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
     """Runs these samples; without substeps, the program does not integrate."""
     rows = {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
-    if substeps is None:
-        rest = {name: region for name, region in memory.items() if name not in INTEGRATION}
-        return program.run({"ticks": ticks}, **{**rest, **rows})
-    return program.run({"ticks": ticks, "substeps": substeps}, **{**memory, **rows})
+    regions = {name: (memory | rows)[name] for name in program.plan.names}
+    return program.run({"ticks": ticks} if substeps is None else {"ticks": ticks, "substeps": substeps}, **regions)
 
 
 def is_no_number(memory: dict[str, Array]) -> bool:

@@ -38,6 +38,9 @@ INTEGRATION = ("origin", "total", "resistance", "earlier", "tableau", "elapsed",
                "steps")  # fmt: skip
 """Regions that only the fixed steps use."""
 
+LINE = ("line",)
+"""Delayed readings: only what comes before the controller uses them, a row for each period of delay."""
+
 FELT = {"motor_torque", "joint_torque", "friction_torque", "motor_friction_torque"}
 """Channels that `PlantStages.feel` finds."""
 
@@ -199,8 +202,8 @@ class ClosedLoop:
             }[part]
             until = "fault" if self.runs == 1 else None  # runs side by side do not stop for one of them
             ticks = Loop("ticks", body, streams=("row", "noise", "record"), until=until)
-            integrates = part in ("whole", "after")
-            regions = [region for region in self.regions() if integrates or region.name not in INTEGRATION]
+            unused = {"whole": (), "after": LINE, "output": INTEGRATION + LINE}.get(part, INTEGRATION)
+            regions = [region for region in self.regions() if region.name not in unused]
             with as_it_was(self.controller):
                 self.programs[key] = compile_program(ticks, regions, self.robot.backend, name="the closed loop")
         return self.programs[key]
