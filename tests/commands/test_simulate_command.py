@@ -97,6 +97,21 @@ def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest
     assert re.search(r"note: swing is asked for more than its limit of 10 N m in \d+\.\d% of the samples", wild)
 
 
+def test_a_limit_of_voltage_is_said_beside_one_of_torque_that_was_never_met(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    motor = "{torque_constant: 0.1, resistance: 1.0, voltage_limit: 1.5}"
+    drive = f"{{ratio: 10, rotor: {{inertia: 1.0e-4}}, motor: {motor}}}"
+    Path("drives.yaml").write_text(f"version: 1\ndrives: {{swing: {drive}}}\n", encoding="utf-8")
+    move = ["--to", "0.5", "--duration", "0.5", "--output", "run.npz"]
+    said = printed("simulate", "arm.urdf", "--drives", "drives.yaml", *move)
+    assert Log.load("run.npz").max("command_torque") < 10.0
+    words = r"note: swing is asked for more than its limit of 10 N m or its voltage allows in \d+\.\d% of the samples"
+    assert re.search(words, said)
+
+
 def test_ctrl_c_saves_what_was_simulated_and_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     arguments = ("simulate", "xia2019", "--to", "1,1,1,1,1,1", "--duration", "0.5", "--output")

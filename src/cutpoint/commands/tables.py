@@ -213,8 +213,11 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
     most, units = efforts_of(robot), at_joints(robot, "N m")
     for name, share in log.meta.get("over_limit", {}).items():
-        limit = f"its limit of {most[name]:.4g} {units[name]}" if np.isfinite(most[name]) else "its voltage allows"
-        yield f"{name} is asked for more than {limit} in {share:.1%} of the samples"
+        allowed = [f"its limit of {most[name]:.4g} {units[name]}"] if np.isfinite(most[name]) else []
+        motor = robot.drives[name].motor
+        if motor and motor.voltage_limit is not None:
+            allowed.append("its voltage allows")
+        yield f"{name} is asked for more than {' or '.join(allowed)} in {share:.1%} of the samples"
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 
