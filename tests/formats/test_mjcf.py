@@ -438,6 +438,21 @@ def test_a_total_mass_needs_every_shape() -> None:
         parse_mjcf(text)
 
 
+@pytest.mark.filterwarnings("ignore:MuJoCo says")  # that settotalmass is deprecated
+def test_a_total_mass_that_would_leave_out_what_is_fused_to_the_world_is_refused() -> None:
+    """MuJoCo does not scale by the mass of bodies that it makes a part of the world; here they stay bodies."""
+    text = one_body("").replace("<worldbody>", '<compiler settotalmass="9" fusestatic="true"/><worldbody>')
+    (alone,) = read(text).mechanism.bodies
+    np.testing.assert_allclose(alone.mass, bare_model(text).body_mass[-1])
+    beside = text.replace("<body", '<body name="post"><geom size="0.1" mass="2"/></body><body', 1)
+    told = r"settotalmass and fusestatic=\"true\" leave out .* fixed to the world, 'post': state fusestatic=\"false\""
+    with pytest.raises(ModelError, match=told):
+        parse_mjcf(beside)
+    counted = beside.replace('fusestatic="true"', 'fusestatic="false"')
+    (arm,) = read(counted).mechanism.bodies
+    np.testing.assert_allclose(arm.mass, bare_model(counted).body_mass[-1])
+
+
 SITES = """<mujoco><default><default class="tool"><site euler="0 90 0" size="0.01"/></default></default><worldbody>
   <site name="bench" pos="1 2 3"/>
   <body name="arm"><joint name="elbow" axis="0 1 0"/>

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed
 from cutpoint.formats.mjcf.meshes import INERTIAL, MeshFile
 
 FREE, BALL, SLIDE, HINGE = range(4)
@@ -40,12 +40,25 @@ def compiled(text: str, place: str, meshes: Collection[MeshFile]) -> tuple[Any, 
         spec = _parsed(mujoco, text, place)
         spec.assets = {mesh.alias: mesh.content for mesh in meshes}
         _leave_out_shapes(mujoco, spec, place)
+        fuses, spec.compiler.fusestatic = spec.compiler.fusestatic, False  # fused bodies would lose their names
         try:
             model = spec.compile()
         except Exception as problem:
             raise _refused(problem, place, meshes) from problem
+    if fuses and spec.compiler.settotalmass > 0.0:
+        _check_none_is_fused_to_world(model, place)
     _switch_off(mujoco, model)
     return model, [_in_a_line(each.message, meshes) for each in said]
+
+
+def _check_none_is_fused_to_world(model: Any, place: str) -> None:
+    """Raises ModelError for bodies without motion that have mass: `settotalmass` would not count them when fused."""
+    named = names_of(model, "body")
+    fused = [named[b] for b in range(1, model.nbody) if model.body_weldid[b] == 0 and model.body_mass[b] > 0.0]
+    if fused:
+        complaint = 'settotalmass and fusestatic="true" leave out the mass of bodies fixed to the world'
+        remedy = 'state fusestatic="false" to include it, or scale the masses and leave out settotalmass'
+        raise ModelError(f"<compiler> {complaint}, {listed(fused)}: {remedy}", place=place, bodies=fused)
 
 
 def names_of(model: Any, kind: str) -> list[str]:

@@ -45,11 +45,11 @@ KEPT: dict[str, tuple[str, ...]] = {
 """Children that are kept, by parent."""
 
 LEFT_OUT = {
-    "compiler": {"meshdir", "texturedir", "assetdir", "strippath", "discardvisual", "fusestatic", "usethread"},
+    "compiler": {"meshdir", "texturedir", "assetdir", "strippath", "discardvisual", "usethread"},
     "geom": {"material", "hfield"},
     "site": {"material"},
 }
-"""Attributes on parts that are left out anyway; fused bodies would lose their names."""
+"""Attributes on parts that are left out anyway."""
 
 OF_A_MESH = {"name", "class", "vertex", "face", "scale", "refpos", "refquat", "inertia", "maxhullvert"}
 """Others make MuJoCo build shapes itself, of any size."""
