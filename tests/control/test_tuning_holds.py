@@ -221,6 +221,13 @@ def test_a_law_that_reports_a_fault_at_a_pose_is_not_judged_there():
         slowest_pole(elbow(), guarded, LEANING, PERIOD)
 
 
+@pytest.mark.parametrize("limit", ["lower", "upper"])
+def test_a_guard_is_not_judged_on_its_limit_where_it_holds_on_one_side_only(limit):
+    guarded = Guard(elbow(), law("PD"), **{limit: LEANING})
+    with pytest.raises(InputError, match=r"Guard reports fault 5 .* choose a pose within its limits"):
+        slowest_pole(elbow(), guarded, LEANING, PERIOD)
+
+
 @pytest.mark.parametrize("kind", [PD, VDC])
 def test_gains_that_are_refused_make_a_small_motion_grow_as_fast_as_the_pole_says(kind):
     high = tune(elbow(), 10.0, kind, control_period=1e-5)

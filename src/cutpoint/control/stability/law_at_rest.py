@@ -81,7 +81,8 @@ class LawAtRest:
             self._time += period
             if k.bit_count() == 1:  # often at first, since a law changes most during its first samples
                 self._balance(point.motor_torque, self.slopes().matter)
-        fault = self._answer(0 * self._seen, self.memory, self._shift)[2]
+        around = (np.full_like(self._seen, x) for x in (0.0, STEP, -STEP))  # on a limit, one side is beyond it
+        fault = max(self._answer(moved, self.memory, self._shift)[2] for moved in around)
         if fault > 0:
             rule = f"reports fault {fault:g} (see `control.Fault`) at rest at this pose, and then holds nothing"
             raise InputError(f"{name_of(law)} {rule}: choose a pose within its limits", q=point.q)
