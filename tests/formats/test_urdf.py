@@ -128,7 +128,7 @@ def test_inertia_of_rotors_that_a_urdf_states_is_not_lost_in_silence(stated: tup
     inside, beside = stated
     text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute", inside), beside)
     text = text.replace("<robot", '<robot xmlns:d="http://drake.mit.edu"', 1)
-    with pytest.warns(NotCarriedOver, match="rotor inertia of joints 'elbow': state rotor and ratio in a drive"):
+    with pytest.warns(NotCarriedOver, match="rotor inertia of joints 'elbow': rotor and ratio in a drive file"):
         parse_urdf(text)
     parse_urdf(text.replace("0.1", "0.0").replace("1e-4", "0"))
 

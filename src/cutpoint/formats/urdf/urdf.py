@@ -161,7 +161,7 @@ def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
         if any(x.tag.endswith("rotor_inertia") and _is_stated(x, "value") for x in transmission.walk()):
             found += [joint.attributes.get("name", "").strip() for joint in transmission.all("joint")]
     lost = [name for name in dict.fromkeys(found) if name in moving]
-    return [f"rotor inertia of joints {listed(lost)}: state rotor and ratio in a drive file"] if lost else []
+    return [f"rotor inertia of joints {listed(lost)}: rotor and ratio in a drive file count instead"] if lost else []
 
 
 def _is_stated(element: Element, attribute: str) -> bool:
