@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from machine_logs import positions, times
 
+from cutpoint import Robot
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification import Recording, read_recording, read_table
 from cutpoint.model.stated_units import name_and_unit
+from random_trees import random_tree
 
 T = times(200)
 Q, TAU = positions(T), positions(T, 2)
@@ -191,3 +193,26 @@ def test_a_column_is_found_by_its_title_too(tmp_path: Path):
 def test_an_array_called_header_does_not_make_a_log_ours(tmp_path: Path):
     np.savez(tmp_path / "log.npz", header=np.array("written by my own logger"), time=T, q=Q, tau=TAU)
     assert_read(read_recording(tmp_path / "log.npz"))
+
+
+def test_names_in_a_comment_stand_above_samples_that_hold_words(tmp_path: Path):
+    rows = [f"{line},base" for line in lines()]
+    assert_read(read(tmp_path, f"%{HEADER},frame", *rows))
+    assert_read(read(tmp_path, "# a remark, in two parts", f"{HEADER},frame", *rows))
+
+
+def test_columns_of_joint_names_say_whose_the_numbered_columns_are(tmp_path: Path):
+    robot = Robot(random_tree(0, 2))
+    header = "%time,field.header.frame_id,field.name0,field.name1,field.position0,field.position1,"
+    header += "field.effort0,field.effort1"
+    rows = [f"{t!r},,joint1,joint0,{b!r},{a!r},{d!r},{c!r}" for t, a, b, c, d in NUMBERS.tolist()]
+    (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
+    assert read_recording(tmp_path / "log.csv").joints == ("joint1", "joint0")
+    found = read_recording(tmp_path / "log.csv", robot=robot)
+    assert found.joints == ("joint0", "joint1")
+    assert_read(found)
+
+
+def test_names_that_change_within_a_log_name_no_joint(tmp_path: Path):
+    rows = [f"{line},{'joint1' if k else 'joint0'}" for k, line in enumerate(lines())]
+    assert read(tmp_path, f"{HEADER},name1", *rows).joints == ("joint_0", "joint_1")

@@ -37,6 +37,9 @@ NAMES = {
 """Names of each quantity, the likeliest first."""
 
 
+JOINT_NAMES = frozenset(("name", "names", "jointname", "jointnames"))
+"""Names of columns whose text is the name of a joint."""
+
 KNOWN = frozenset(name for names in NAMES.values() for name in names)
 
 WISHED = re.compile(r"(desired|des|target|command|commanded|cmd|reference|ref|setpoint|goal|demand)s?", re.I)
@@ -65,20 +68,23 @@ def is_wished(name: str) -> bool:
     return any(WISHED.fullmatch(word) for word in re.split(r"[^A-Za-z]+", name))
 
 
-def name_and_label(name: str, joints: Sequence[str]) -> tuple[str, str]:
-    """The letters of a column's name without its joint or number, and that label: `q_elbow`, `q.elbow`, `q1`."""
+def name_and_label(name: str, joints: Sequence[str], known: frozenset[str] = KNOWN) -> tuple[str, str]:
+    """The letters of a column's name without its joint or number, and that label: `q_elbow`, `q.elbow`, `q1`.
+
+    known: letters that have a meaning.
+    """
     if len(name) > LONGEST_NAME:
         return "", name
     # longest first: `elbow_2` is not `elbow`
     for joint in sorted(joints, key=len, reverse=True):
         before, there, after = _parted(name, joint)
         rest = letters(f"{before}{after}".strip("._-/ []()"))
-        if there and rest in KNOWN:
+        if there and rest in known:
             return rest, joint
     numbered = re.fullmatch(r"(.*?)[\s_/-]*[\[(]?(\d+)[\])]?", name)
-    if numbered and letters(numbered[1]) in KNOWN:
+    if numbered and letters(numbered[1]) in known:
         return letters(numbered[1]), str(int(numbered[2]))
-    if letters(name) in KNOWN:
+    if letters(name) in known:
         within = re.findall(r"\d+", _end(name))
         return letters(name), str(int(within[0])) if len(within) == 1 else ""
     stem, _, label = name.rpartition(".")

@@ -13,6 +13,9 @@ from cutpoint.identification.logs.table import Channel, Table
 UNKNOWN = ("", "nan", "null", "none", "na", "n/a")
 """Cells that mark a missing number."""
 
+LONGEST_TEXT = 40
+"""Largest length, in characters, of a text that is kept."""
+
 DATE_TIME = re.compile(r"(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d(?::\d\d(?:[.,]\d{1,9})?)?) ?(?:Z|UTC|([+-]\d\d):?(\d\d))?")
 """ISO 8601 as pandas and most loggers write it."""
 
@@ -62,6 +65,7 @@ class Cells:
         self.starts: dict[int, int] = {}
         self.words: Counter[int] = Counter()
         self.examples: dict[int, str] = {}
+        self.varying: set[int] = set()
 
     def add(self, row: list[str]) -> None:
         for k, cell in enumerate(row):
@@ -73,7 +77,8 @@ class Cells:
         if instant is not None:
             return 1e-9 * (instant - self.starts.setdefault(k, instant))
         self.words[k] += 1
-        self.examples.setdefault(k, cell[:40])
+        if self.examples.setdefault(k, cell[:LONGEST_TEXT]) != cell:
+            self.varying.add(k)
         return math.nan
 
     @property
@@ -86,13 +91,16 @@ class Cells:
         table = np.array(self.numbers).reshape(-1, self.width)
         channels: dict[str, Channel] = {}
         left_out: dict[str, str] = {}
+        texts: dict[str, str] = {}
         for k, name in enumerate(names):
             count, example = self.words[k], self.examples.get(k)
             if count >= max(1, np.isfinite(table[:, k]).sum()):
                 left_out[name] = f"text, such as {example!r}"
+                if example and count == self.count and k not in self.varying:
+                    texts[name] = example
                 continue
             channels[name] = Channel(table[:, k], (), "s" if k in self.starts else units[k])
             if count:
                 cells = f"text in {count} of {counted(self.count, 'cell')}, such as {example!r}"
                 notes.append(f"column {name!r}: {cells}, counts as missing")
-        return Table(file, channels, left_out, tuple(notes))
+        return Table(file, channels, left_out, tuple(notes), texts)

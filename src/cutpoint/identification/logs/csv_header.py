@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from itertools import chain
+from math import isfinite
 from typing import NamedTuple, TextIO
 
 from cutpoint.errors import InputError
@@ -38,7 +39,7 @@ class Header(NamedTuple):
 
 
 def read_header(text: TextIO, file: str) -> Header:
-    """The line of names: the first that is no comment, or a comment right above numbers of as many cells.
+    """The line of names: the first that is no comment, or a comment right above a sample of as many cells.
 
     Excel's `sep=;` before it states the delimiter.  Otherwise it is the first of semicolon, tab, comma and blanks that
     the line contains.
@@ -59,7 +60,7 @@ def read_header(text: TextIO, file: str) -> Header:
     delimiter = stated[1] if stated else delimiter_of(first)
     titles, words = _cells(first, delimiter), comment.strip("#%/ \r\n")
     above = _cells(words, stated[1] if stated else delimiter_of(comment))
-    if _are_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
+    if _has_numbers(titles) and len(above) == len(titles) and not _are_numbers(above):
         return Header(*_named(above, f"{file}:{line - 1}"), delimiter, line - 1, chain([first], text))
     return Header(*_named(titles, f"{file}:{line}"), delimiter, line, text)
 
@@ -96,6 +97,12 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 def _are_numbers(titles: list[str]) -> bool:
     return not any(titles) or all(number(title, " ") is not None for title in titles)
+
+
+def _has_numbers(titles: list[str]) -> bool:
+    """Whether a line may be a sample, which may also hold words, such as a frame's name."""
+    found = [number(title, " ") for title in titles]
+    return _are_numbers(titles) or any(each is not None and isfinite(each) for each in found)
 
 
 def _named(titles: list[str], place: str) -> tuple[list[str], list[str]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from cutpoint.errors import InputError, listed
-from cutpoint.identification.logs.channel_names import KNOWN, NAMES, is_wished, letters, name_and_label
+from cutpoint.identification.logs.channel_names import JOINT_NAMES, KNOWN, NAMES, is_wished, letters, name_and_label
 from cutpoint.identification.logs.mapping_sheet import MappingSheet
 from cutpoint.identification.logs.table import Table
 
@@ -49,6 +49,7 @@ def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
 
 def _groups(table: Table, joints: Sequence[str]) -> dict[str, Group]:
     """The matrices, or all columns, of each known name."""
+    named = _joint_names(table)
     found: dict[str, list[tuple[str, str]]] = {}
     for name, channel in table.channels.items():
         if channel.width > 1 and letters(name) in KNOWN:
@@ -57,8 +58,14 @@ def _groups(table: Table, joints: Sequence[str]) -> dict[str, Group]:
     for name, channel in table.channels.items():
         known, label = name_and_label(name, joints)
         if channel.width == 1 and known in KNOWN - matrices:
-            found.setdefault(known, []).append((label, name))
+            found.setdefault(known, []).append((named.get(label, label), name))
     return {known: _group(columns, table, joints) for known, columns in found.items()}
+
+
+def _joint_names(table: Table) -> dict[str, str]:
+    """The joints that columns of text name, by number: of `name0` beside `position0`, as ROS writes its messages."""
+    labels = {name: name_and_label(name, (), JOINT_NAMES) for name in table.texts}
+    return {label: table.texts[name] for name, (known, label) in labels.items() if known in JOINT_NAMES}
 
 
 def _group(columns: list[tuple[str, str]], table: Table, joints: Sequence[str]) -> Group:

@@ -49,6 +49,7 @@ class Table:
     """The channels of a log file, by name.
 
     left_out: other named contents, and what they hold instead of numbers: `text, such as 'idle'`.
+    texts: those of them that hold the same text throughout, and that text.
     notes: what was repaired in reading, in words for a reader.
     """
 
@@ -56,6 +57,7 @@ class Table:
     channels: Mapping[str, Channel] = field(default_factory=dict[str, Channel])
     left_out: Mapping[str, str] = field(default_factory=dict[str, str])
     notes: tuple[str, ...] = ()
+    texts: Mapping[str, str] = field(default_factory=dict[str, str])
 
     def __post_init__(self) -> None:
         if not self.channels:
