@@ -74,10 +74,10 @@ def _compiled(law: SpringLaw) -> tuple[kernels.Kernel, kernels.Kernel]:
     return next(both), next(both)
 
 
-def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near: Array | None = None) -> Array:
+def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near: Array | None) -> Array:
     """Constants with which the law's deflection under torque (N,) is closest to `rest` (N,), rad, after `project`.
 
-    near: constants to search from; by default from the law's own starts.
+    near: constants to search from; None for the law's own starts.
     """
     target = project(rest)
     scale = float(np.linalg.norm(target)) or 1.0

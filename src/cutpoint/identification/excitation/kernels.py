@@ -33,8 +33,7 @@ def pullback(robot: Robot, definition: Callable[..., Any], shape: tuple[int, ...
 
     def gradient(motion: Array, weights: Array) -> Array:
         found = np.zeros_like(motion)
-        slope = kernel(*motion[: derivatives + 1], weights)
-        found[: derivatives + 1] = slope
+        found[: derivatives + 1] = kernel(*motion[: derivatives + 1], weights)
         return found
 
     return gradient

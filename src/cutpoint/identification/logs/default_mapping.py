@@ -20,10 +20,10 @@ class Group(NamedTuple):
     wished: bool
 
 
-def default_mapping(table: Table, joints: Sequence[str] = ()) -> MappingSheet:
+def default_mapping(table: Table, joints: Sequence[str]) -> MappingSheet:
     """The mapping that names suggest, all in SI: a matrix `q`, or columns `q1`, `q_2`, `q[3]`, `q.elbow`, `elbow_pos`.
 
-    joints: of the robot, if it is known; columns that are named after them are found by their names.
+    joints: of the robot, () if it is not known; columns that are named after them are found by their names.
     Of columns with similar names, such as `desired/q1` and `actual/q1`, commanded ones are ignored.
 
     Raises InputError if no name suggests a position, if nothing says which of similarly named columns was measured, or
