@@ -53,7 +53,7 @@ class Margins(NamedTuple):
 
     gain: largest factor on the command that stays stable; inf if any does.  least_gain: the smallest; 0 if the loop may
     be opened.  phase: admissible phase lag of the command, deg; delay: admissible delay, s; both inf if unbounded.
-    sensitivity: max |1 / (1 + L)|, the largest amplification of disturbances by the loop.
+    sensitivity: max |1 / (1 + L)|, the largest amplification of disturbances by the loop.  joints: their names.
     """
 
     gain: Array
@@ -61,13 +61,17 @@ class Margins(NamedTuple):
     phase: Array
     delay: Array
     sensitivity: Array
+    joints: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """A line for each joint, by its number."""
+        """A line for each joint."""
         rows = zip(self.gain, self.least_gain, self.phase, 1e3 * self.delay, self.sensitivity, strict=True)
-        lines = [f"{k:5} " + "".join(f"{x:>13.3g}" for x in row) for k, row in enumerate(rows)]
-        heads = ("gain", "least gain", "phase, deg", "delay, ms", "sensitivity")
-        return "\n".join(["joint " + "".join(f"{head:>13}" for head in heads), *lines])
+        heads, width = ("gain", "least gain", "phase, deg", "delay, ms", "sensitivity"), max(map(len, self.joints))
+        lines = [
+            f"{joint:{width}} " + "".join(f"{x:>13.3g}" for x in row)
+            for joint, row in zip(self.joints, rows, strict=True)
+        ]
+        return "\n".join([" " * (width + 1) + "".join(f"{head:>13}" for head in heads), *lines])
 
 
 def margins(
@@ -93,7 +97,7 @@ def margins(
         growth = f"a deviation grows by a factor of {size:.6g} per sample; damping of the springs"
         raise InputError(f"{told}: {growth}, or other gains, may help", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
-    return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T)
+    return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T, tuple(robot.joints))
 
 
 def peak_sensitivity(loop: SampledLoop) -> Array:
