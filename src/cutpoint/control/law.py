@@ -29,10 +29,12 @@ class Law:
 
     makes_motor_reference: whether its command holds the motors' reference.
     reports_faults: whether its command reports faults.
+    jumps_at_rest: whether its torque, or memory, has no slope where errors vanish.
     """
 
     makes_motor_reference = False
     reports_faults = False
+    jumps_at_rest = False
 
     def start(self) -> Any:
         """The memory before the first step: a record of numbers, () for none."""

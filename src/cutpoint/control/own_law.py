@@ -41,14 +41,20 @@ class Found(NamedTuple):
     refusal: TraceError | None = None
 
 
+def innermost(law: Any) -> list[Any]:
+    """The laws inside sums and wrappers; one that is neither, alone."""
+    if is_own(law) or not isinstance(law, Sum | Wrapper):
+        return [law]
+    return [part for x in (law.parts if isinstance(law, Sum) else [law.law]) for part in innermost(x)]
+
+
 def own_parts(law: Any) -> list[Any]:
     """A user's own laws, alone or inside sums and wrappers.  Raises InputError for one without a step."""
-    if is_own(law):
-        if not hasattr(law, "step"):
-            raise InputError(f"controller {name_of(law)} has no step(memory, measurement, reference)")
-        return [law]
-    inner = law.parts if isinstance(law, Sum) else [law.law] if isinstance(law, Wrapper) else []
-    return [part for x in inner for part in own_parts(x)]
+    own = [part for part in innermost(law) if is_own(part)]
+    for part in own:
+        if not hasattr(part, "step"):
+            raise InputError(f"controller {name_of(part)} has no step(memory, measurement, reference)")
+    return own
 
 
 def fields_read(law: Any, own: Iterable[tuple[Any, Found]]) -> tuple[tuple[str, str], ...]:

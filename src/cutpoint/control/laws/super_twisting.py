@@ -21,6 +21,8 @@ class SuperTwisting(RigidLaw):
     root_gain: k_1, N m (s/rad)^(1/2).  twist: k_2, N m/s: bound on the rate of the model's torque error.
     """
 
+    jumps_at_rest = True
+
     position_gain: Any
     speed_gain: Any
     root_gain: Any

@@ -97,7 +97,7 @@ def margins(
         growth = f"a deviation grows by a factor of {size:.6g} per sample; damping of the springs"
         raise InputError(f"{told}: {growth}, or other gains, may help", size=size)
     cuts = [_Cut(loop.closed, b, -c) for b, c in zip(loop.into.T, loop.command, strict=True)]
-    return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T, tuple(robot.joints))
+    return Margins(*np.array([_of_joint(cut, control_period) for cut in cuts]).T, joints=tuple(robot.joints))
 
 
 def peak_sensitivity(loop: SampledLoop) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.control.interface import SENSED, Control, name_of
 from cutpoint.control.law import as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven, with_models
-from cutpoint.control.own_law import check_encoders, fields_read, own_parts, traced
+from cutpoint.control.own_law import check_encoders, fields_read, innermost, own_parts, traced
 from cutpoint.control.sensors import SAMPLED, Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, Slopes, differences
 from cutpoint.door import check_kind, positive
@@ -76,9 +76,9 @@ def slowest_pole(
 
     The robot is linearised at q and discretised exactly, its motors' current loops and delays included; the law is
     differenced about rest.  Of friction both include the viscous part; not dry friction, whose slope at rest is that of
-    its smoothing, nor kinematic error, ripple and cogging, whose slopes change within each wave.  Laws that are
-    discontinuous at rest have no slope, and the result does not apply to them.  Memory counts where motion changes it
-    and the command depends on it; clocks and latched faults do not.
+    its smoothing, nor kinematic error, ripple and cogging, whose slopes change within each wave.  Laws that jump at
+    rest have no slope: `SuperTwisting` is refused, and to one's own such law the result does not apply.  Memory counts
+    where motion changes it and the command depends on it; clocks and latched faults do not.
 
     The law's reference is chosen so that it carries the robot's load there.
     control_period: s, from one step of the law to the next; no shorter than a motor's delay.
@@ -87,7 +87,7 @@ def slowest_pole(
     Raises:
         InputError: q of a wrong shape; a joint has no motor; the period is not positive, or shorter than a motor's
             delay; sensors delay for no whole number of periods, or for so long that there are too many poles; the law
-            is for other drives, reports a fault at that pose, or reads missing encoders.
+            is for other drives, jumps at rest, reports a fault at that pose, or reads missing encoders.
         ModelError: a joint can move without moving any inertia.
         TraceError: the law is a user's own, and cannot be compiled.
     """
@@ -220,6 +220,10 @@ def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[R
     made = as_law(law)
     check_drives(made, robot.joints)
     check_all_driven(function, robot)
+    for part in innermost(made):
+        if getattr(part, "jumps_at_rest", False):
+            told = f"{name_of(part)} jumps where errors vanish, so it has no slopes at rest"
+            raise InputError(f"{function}: {told}: judge it by simulation")
     bare = robot.with_drives({name: _bare(drive) for name, drive in robot.drives.items()})
     return bare, checked_pose(function, robot, q), with_models(made, _bare_model)
 

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from cutpoint.control.laws.model_law import check_all_driven
 from cutpoint.control.laws.pd import PD
-from cutpoint.control.laws.super_twisting import SuperTwisting
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.tuning.design import Design, design_of
 from cutpoint.control.tuning.holding import check_holds
@@ -81,8 +80,7 @@ def tune(
         InputError: an argument is wrong, such as a law without a recipe or an option that the law lacks.  Or the gains
             are unstable at q: the linear plant with all its springs and motors, sampled every
             control_period (s), has a pole that grows faster than dry friction stops; the message names the joint, its
-            frequency and remedies.  A law that is discontinuous at rest is not tested.  Or a joint, such as a floating
-            base, has no motor.
+            frequency and remedies.  `SuperTwisting` is not tested.  Or a joint, such as a floating base, has no motor.
     """
     check_robot("tune", robot)
     check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
@@ -97,7 +95,7 @@ def tune(
         return _made(law, design_of(robot, pose, 2 * np.pi * hertz, damping, period), options)
 
     found = made(bandwidth)
-    if law is not SuperTwisting:
+    if not found.jumps_at_rest:
         others = ((share * bandwidth, partial(made, share * bandwidth)) for share in OTHERS)
         check_holds(robot, found, pose, period, sensors, others)
     return found
