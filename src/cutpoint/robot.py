@@ -224,7 +224,8 @@ class Robot:
         """Accelerations (..., nv), rad/s2 (m/s2), under joint torques.  Featherstone (2008) section 7.3.
 
         q (..., nq), rad (m); v (..., nv), rad/s (m/s); tau (..., nv), N m (N); external as in `inverse_dynamics`.
-        Raises ModelError if a joint moves no inertia.
+        Raises ModelError if a joint moves no inertia.  If joints can move against each other without moving any inertia
+        at q alone, as in the gimbal lock of links without mass, accelerations are huge or NaN.
         """
         if external is None:
             return self._functions["forward_dynamics"](q, v, tau)

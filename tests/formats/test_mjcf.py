@@ -445,12 +445,28 @@ def test_a_total_mass_that_would_leave_out_what_is_fused_to_the_world_is_refused
     (alone,) = read(text).mechanism.bodies
     np.testing.assert_allclose(alone.mass, bare_model(text).body_mass[-1])
     beside = text.replace("<body", '<body name="post"><geom size="0.1" mass="2"/></body><body', 1)
-    told = r"settotalmass and fusestatic=\"true\" leave out .* fixed to the world, 'post': state fusestatic=\"false\""
+    told = r"with fusestatic=\"true\" bodies 'post' become part of .* settotalmass would not count .*: leave fusestatic"
     with pytest.raises(ModelError, match=told):
         parse_mjcf(beside)
     counted = beside.replace('fusestatic="true"', 'fusestatic="false"')
     (arm,) = read(counted).mechanism.bodies
     np.testing.assert_allclose(arm.mass, bare_model(counted).body_mass[-1])
+
+
+@pytest.mark.parametrize(("compiler", "joint"), [('alignfree="true"', ""), ("", 'align="true"')])
+def test_a_free_body_that_is_aligned_only_once_others_are_fused_to_it_is_refused(compiler: str, joint: str) -> None:
+    tip = '<body name="tip" pos="1 0 0"><geom size="0.1"/>{}</body>'
+    text = f"""<mujoco><compiler fusestatic="true" {compiler}/><worldbody><body name="stone"><freejoint {joint}/>
+      <geom type="box" size="0.1 0.2 0.3" pos="0.5 0.1 0" euler="10 20 30"/>{tip}</body></worldbody></mujoco>"""
+    with pytest.raises(ModelError, match=r"bodies 'tip' become part of .*, and align would move the frame of 'stone'"):
+        parse_mjcf(text.format(""))
+    for kept in (text.format('<body><joint/><geom size="0.1"/></body>'), text.replace(tip, "")):
+        model = bare_model(kept)
+        data = mujoco.MjData(model)
+        data.qpos[:7] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+        mujoco.mj_inverse(model, data)
+        robot = read(kept)
+        assert_close(robot.gravity_forces(robot.neutral()), data.qfrc_inverse)
 
 
 SITES = """<mujoco><default><default class="tool"><site euler="0 90 0" size="0.01"/></default></default><worldbody>

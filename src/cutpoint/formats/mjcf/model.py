@@ -45,20 +45,38 @@ def compiled(text: str, place: str, meshes: Collection[MeshFile]) -> tuple[Any, 
             model = spec.compile()
         except Exception as problem:
             raise _refused(problem, place, meshes) from problem
-    if fuses and spec.compiler.settotalmass > 0.0:
-        _check_none_is_fused_to_world(model, place)
+    if fuses:
+        _check_fusing_changes_no_number(mujoco, spec, model, place)
     _switch_off(mujoco, model)
     return model, [_in_a_line(each.message, meshes) for each in said]
 
 
-def _check_none_is_fused_to_world(model: Any, place: str) -> None:
-    """Raises ModelError for bodies without motion that have mass: `settotalmass` would not count them when fused."""
-    named = names_of(model, "body")
-    fused = [named[b] for b in range(1, model.nbody) if model.body_weldid[b] == 0 and model.body_mass[b] > 0.0]
-    if fused:
-        complaint = 'settotalmass and fusestatic="true" leave out the mass of bodies fixed to the world'
-        remedy = 'state fusestatic="false" to include it, or scale the masses and leave out settotalmass'
-        raise ModelError(f"<compiler> {complaint}, {listed(fused)}: {remedy}", place=place, bodies=fused)
+def _check_fusing_changes_no_number(mujoco: Any, spec: Any, model: Any, place: str) -> None:
+    """Raises ModelError if MuJoCo's numbers depend on whether bodies without joints become part of their carriers.
+
+    `settotalmass` does not count the mass of those that become part of the world, and `align` moves the frame of a free
+    body if all that it carries becomes part of it.
+    """
+    named, carriers = names_of(model, "body"), model.body_weldid
+    fused = np.flatnonzero(carriers != np.arange(model.nbody))
+    unscaled = [b for b in fused if carriers[b] == 0 and model.body_mass[b] > 0.0 and spec.compiler.settotalmass > 0.0]
+    if unscaled:
+        _refuse_fusing([named[b] for b in unscaled], "settotalmass would not count their mass", place)
+    automatic = (mujoco.mjtAlignFree.mjALIGNFREE_FALSE, mujoco.mjtAlignFree.mjALIGNFREE_TRUE)[spec.compiler.alignfree]
+    for joint in spec.joints:
+        align = automatic if joint.align == mujoco.mjtAlignFree.mjALIGNFREE_AUTO else joint.align
+        if model.jnt_type[joint.id] == FREE and align == mujoco.mjtAlignFree.mjALIGNFREE_TRUE:
+            body = model.jnt_bodyid[joint.id]
+            carried = [b for b in np.flatnonzero(model.body_rootid == body) if b != body]
+            if carried and all(carriers[b] == body for b in carried):
+                _refuse_fusing([named[b] for b in carried], f"align would move the frame of {named[body]!r}", place)
+
+
+def _refuse_fusing(bodies: list[str], then: str, place: str) -> None:
+    """Raises ModelError.  then: what MuJoCo would do once these bodies are part of their carriers."""
+    remedy = "leave fusestatic out if that is not meant, else settotalmass and align, and state what they would give"
+    complaint = f'with fusestatic="true" bodies {listed(bodies)} become part of what carries them, and {then}'
+    raise ModelError(f"<compiler> {complaint}: {remedy}", place=place, bodies=bodies)
 
 
 def names_of(model: Any, kind: str) -> list[str]:
