@@ -31,8 +31,9 @@ class Sensors:
     link_noise, motor_noise: standard deviation, rad at the joint's side, from a generator with this seed.
     Each is one number for all drives or one for each; None is a perfect encoder.
     delay: s, a whole number of control periods, at most 250,000 over the number of drives.
-    speeds: "true", or "differenced" from positions as measured, over one control period.  The robot is taken to
-        have been at rest before the first sample, without noise: delayed readings start from that.
+    speeds: "true", or "differenced" from positions as measured, over one control period.  Readings of
+        before the first sample are those of the initial state, true speeds included, without noise; differences of
+        them are 0.
     sides: where there are encoders, "both", "motor" or "link"; a controller gets NaN for the other side.
     Numbers are checked where they are used: `simulate` and the like raise InputError.
     """
@@ -65,7 +66,7 @@ class Encoders:
         return sum(self.size for x in self.noise if x is not None)
 
     def at_rest(self, sample: Sequence[float]) -> tuple[Array, Array]:
-        """Readings on their way, (delay, 4 n), and the last positions, of a robot that has been at rest in a sample."""
+        """Readings on their way, (delay, 4 n), and the last positions, if all of them were of one sample."""
         reading = np.array(replace(self, noise=(None, None)).read(sample, []), float)
         return np.tile(reading, (self.delay, 1)), reading[: 2 * self.size if self.differenced else 0]
 
