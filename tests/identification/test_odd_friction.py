@@ -206,3 +206,13 @@ def test_sums_of_what_slides_are_masses():
     sums = {number.name: number.unit for number in found.numbers if "m." in number.name}
     assert any(name.startswith("I_m.") and " + " in name for name in names)
     assert sums and set(sums.values()) == {"kg"}, sums
+
+
+@pytest.mark.parametrize("solver", ["lmi", "log_cholesky"])
+def test_friction_that_would_take_the_whole_load_is_bounded(solver: str):
+    q, v, a = motions()
+    given = dict.fromkeys(TRUTH.joints, Coulomb(1.0, 1.0, 0.02, per_load=0.1))
+    found = identified(1.3 * np.abs(TRUTH.inverse_dynamics(q, v, a)) * np.tanh(v / 0.02), friction=given, solver=solver)
+    shares = [drive.motor_friction.per_load for drive in found.robot.drives.values()]  # type: ignore[union-attr]
+    assert 0.9 < max(shares) < 1.0
+    assert any("nor take the whole load" in note for note in found.notes)

@@ -31,7 +31,7 @@ def solve(fit: Fit, entropic: bool) -> Array:
     distance /= fit.spread**2
     if others is not None:
         distance += cp.sum_squares((others - fit.prior) / fit.loose)
-    bounds = [others[fit.positive] >= 0] if others is not None and fit.positive.any() else []
+    bounds = _bounds(fit, others)
     sharp = cp.Parameter(nonneg=True)
     problem = cp.Problem(cp.Minimize(sharp * misfit + distance), bounds)
     for blunt in BLUNTER:
@@ -45,6 +45,13 @@ def solve(fit: Fit, entropic: bool) -> Array:
         remedy = "check the torques' unit and sign, or try solver='log_cholesky', --solver log_cholesky"
         raise CutpointError(f"the search for physical bodies failed: {remedy}")
     return np.concatenate([np.ravel(x.value) for x in [*X, rotors, others] if x is not None])
+
+
+def _bounds(fit: Fit, others: Any) -> list[Any]:
+    """Bounds of friction; others: None without any."""
+    bounded = np.isfinite(fit.most)
+    low = [others[fit.positive] >= 0] if fit.positive.any() else []
+    return [*low, others[bounded] <= fit.most[bounded]] if bounded.any() else low
 
 
 def _distance(cp: Any, X: Any, entropic: bool) -> Any:

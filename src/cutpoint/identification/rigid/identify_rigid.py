@@ -169,7 +169,8 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, 
     estimate = _estimate(found, how.method, instead, shapes, _rotor_torques(base, log, how.rotor_errors))
     sizes = sizes_of_others(base, log, found.names[base.independent.size :])
     told = are_told(estimate, base.independent.size, sizes)
-    bodies = physical(fit_of(base, found.names, estimate.R, estimate.z, sizes, told, how.prior_spread), how.solver)
+    fit = fit_of(base, found.names, laws, estimate.R, estimate.z, sizes, told, how.prior_spread)
+    bodies = physical(fit, how.solver)
     return Fitted(base, laws, how.link_friction, how.kinematic_errors, log, found, estimate, bodies)
 
 

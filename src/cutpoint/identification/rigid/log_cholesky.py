@@ -1,7 +1,7 @@
 """Physical bodies without constraints.  Rucker and Wensing (2022), IEEE Robot. Autom. Lett. 7(2), eq. (11).
 
 X = U U^T with U upper triangular, its diagonal exponentials: any ten numbers give a physical body.  Rotors and
-friction, which are single numbers, are bounded by zero instead.
+friction, which are single numbers, are bounded instead.
 """
 
 from typing import Any
@@ -36,13 +36,15 @@ def solve(fit: Fit) -> Array:
     start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
     low = np.full(start.size, -np.inf)
     low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
+    high = np.full(start.size, np.inf)
+    high[10 * fit.bodies.count + fit.scale.size :] = fit.most
     slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
     with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
         found = least_squares(
             lambda x: _residuals(fit, x),
-            np.maximum(start, low + CLEAR),
+            np.clip(start, low + CLEAR, high - CLEAR),
             slopes,
-            (low, np.inf),
+            (low, high),
             method="dogbox",  # numbers at their bounds do not stop the others
             ftol=ENDS,
             xtol=ENDS,

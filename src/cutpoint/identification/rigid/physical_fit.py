@@ -1,6 +1,6 @@
 """Unknowns of bodies, rotors and friction, and how far each may be from the file's."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.bodies import Bodies, bodies_of
 from cutpoint.identification.rigid.rigid_robot import stated_coefficient
+from cutpoint.mechanics.drives.friction import Sliding
 
 Array = NDArray[np.float64]
 
@@ -22,6 +23,9 @@ if that is less."""
 LEAST = 1e-3
 """Least spread, times the usual size, for the solvers' sake."""
 
+MOST_OF_LOAD = 0.99
+"""Largest share of its load that a drive's friction takes: with all of it no load could be moved."""
+
 SHARPEST = 1e7
 """Largest norm of all torques over their noise: in more exact logs a solver would not resolve the bodies' distances."""
 
@@ -33,6 +37,7 @@ class Fit(NamedTuple):
     `loose` sizes.  Friction and offsets are sums (others, others) times their unknowns, see `_sums`.
     scale (rotors,): their size in the file, or in the arm if the file has none.  stated: whether it has.
     sizes (others,): units of their shares.  prior: the file's, as shares.  positive: which must not be negative.
+    most: upper bounds, as shares; infinite for all but load-dependent friction.
     """
 
     base: BaseParameters
@@ -46,6 +51,7 @@ class Fit(NamedTuple):
     prior: Array
     loose: Array
     positive: NDArray[np.bool_]
+    most: Array
     spread: float
 
     @property
@@ -65,6 +71,7 @@ class Fit(NamedTuple):
 def fit_of(
     base: BaseParameters,
     names: Sequence[str],
+    laws: Mapping[str, Sliding],
     R: Array,
     z: Array,
     sizes: Array,
@@ -73,6 +80,7 @@ def fit_of(
 ) -> Fit:
     """The fit of R x = z, in units of noise: base parameters first, then friction and offsets, by names.
 
+    laws: by joint, of the friction.
     sizes: usual ones of friction and offsets in such a robot.  told: which of these the log determines; others stay
     near the file's.  spread: standard deviation of the bodies from the file's, as a share: 0.5 is half of a body's
     mass.
@@ -90,8 +98,15 @@ def fit_of(
     near = TIGHT * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
+    most = np.array([_most(name, laws) for name in names[b:]]) / sizes
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
-    return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, spread)
+    return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, most, spread)
+
+
+def _most(name: str, laws: Mapping[str, Sliding]) -> float:
+    """The largest possible value of a coefficient or an offset."""
+    kind, _, joint = name.partition(".")
+    return MOST_OF_LOAD / (1.0 + abs(laws[joint].asymmetry or 0.0)) if kind == "per_load" else np.inf
 
 
 def _base_of(base: BaseParameters, bodies: Bodies, scale: Array) -> Array:

@@ -111,7 +111,7 @@ def strained(found: Sequence[Parameter]) -> list[str]:
         reason = "the file's bodies, near which they stay, may be placeholders; state roughly what they weigh"
         notes.append(f"the model's bodies miss the intervals of {len(bodies)} told numbers, {_some(bodies)}: {reason}")
     if rubs:
-        reason = "no part of friction may push, nor be less at rest than in motion"
+        reason = "no part of friction may push, nor be less at rest than in motion, nor take the whole load"
         notes.append(f"the model's friction misses the intervals of {_some(rubs)}: {reason}")
     return notes
 
