@@ -31,6 +31,10 @@ def test_a_model_that_carries_over_is_not_spoken_of():
     assert said(after=STUCK / 20.0, plain=STUCK / 20.0, speed=np.where(RESTS, 0.0, 1.0)) == []  # 0.7 % of the torque
 
 
+def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
+    assert said(after=10.0, plain=10.0, before=5.0, speed=0.0) == []
+
+
 @pytest.mark.parametrize(
     ("errors", "words"),
     [

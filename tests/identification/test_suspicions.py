@@ -45,6 +45,12 @@ def test_nothing_is_said_of_a_good_log():
     assert read().notes == ()
 
 
+def test_no_channel_of_a_joint_that_only_its_spring_moves_is_taken_for_another_unit():
+    of_link, of_motor = 4e-4 * np.cos(T), 1e-3 * np.sin(T)
+    still = {"q": of_link, "theta": of_motor, "v": -of_motor, "theta_dot": of_link}
+    assert read(**{name: elbow(name, values) for name, values in still.items()}).notes == ()
+
+
 @pytest.mark.parametrize(
     ("changed", "note"),
     [

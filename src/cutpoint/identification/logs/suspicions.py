@@ -124,10 +124,10 @@ def contradictions(recording: Recording) -> Iterator[str]:
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
             travelled = 0.5 * (v[1:] + v[:-1]) * np.diff(time)
-            factor = _factor(*_ways(time, travelled, np.diff(x)), time[1:])
+            factor = _multiple(*_ways(time, travelled, np.diff(x)), time[1:])
             yield from _notes_on_factor(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
-        yield from _notes_on_factor(f"theta of {joint!r}", "q", _factor(theta, x, time))
+        yield from _notes_on_factor(f"theta of {joint!r}", "q", _multiple(theta, x, time))
 
 
 def _other_zeros(recording: Recording) -> Iterator[str]:
@@ -151,6 +151,14 @@ def _factor(found: Array, expected: Array, time: Array) -> float | None:
         return None
     regressors = np.column_stack([expected, np.ones_like(time), time])[known]
     return float(np.linalg.lstsq(regressors, found[known])[0][0])
+
+
+def _multiple(found: Array, expected: Array, time: Array) -> float | None:
+    """`_factor`, but None for two that differ by no more than springs deflect, as of a joint that stands still."""
+    apart = found - expected
+    known = np.isfinite(apart)
+    drift = np.polynomial.Polynomial.fit(time[known], apart[known], 1)(time) if known.any() else 0.0
+    return None if np.ptp(_known(apart - drift)) < APART else _factor(found, expected, time)
 
 
 def _notes_on_factor(thing: str, other: str, factor: float | None) -> Iterator[str]:

@@ -76,6 +76,8 @@ def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
 
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
+    if errors.speed()[j] == 0.0:
+        return []  # it stood still, of which there is a note: its torque is whatever holds it
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
     is_large = held > LEAST_ERROR_SHARE * errors.size()[j]
     notes: list[str] = []
