@@ -11,7 +11,7 @@ import cutpoint
 PACKAGE = Path(cutpoint.__file__).parent
 
 LAYERS = """
-    version errors callers
+    arrays version errors callers
     files scalars door resolvent
     kernels model reporting
     mechanics

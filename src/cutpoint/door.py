@@ -8,11 +8,10 @@ from reprlib import repr as shortened
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, listed, unknown_name
-
-Array = NDArray[np.float64]
 
 FLOAT64 = np.dtype(np.float64)
 

@@ -1,12 +1,11 @@
 """Responses of linear models over frequency, by back substitution with a triangular form of their matrix."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complex = NDArray[np.complex128]
+from cutpoint.arrays import ComplexArray
 
 
-def resolvent(T: Complex, b: Complex, s: Complex) -> Complex:
+def resolvent(T: ComplexArray, b: ComplexArray, s: ComplexArray) -> ComplexArray:
     """(s - T)^-1 b, (n, k), for an upper triangular T (n, n), b (n,) and s (k,); not finite where s is a pole.
 
     As of a Schur form, found once for all s.  Laub (1981) does so with a Hessenberg form.

@@ -5,9 +5,10 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cutpoint import definitions, door
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
 from cutpoint.functions.compiled import RobotKernels
@@ -32,7 +33,6 @@ from cutpoint.model.validation import check_gravity
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel, Modes
 
-Array = NDArray[np.float64]
 Backend = Literal["auto", "llvm", "numpy"]
 
 

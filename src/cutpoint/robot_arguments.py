@@ -3,15 +3,14 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cutpoint import door
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.functions.quaternions import check_quaternions, quaternions_of
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 A_ROBOT = "a Robot (cutpoint.load reads files)"
 

@@ -12,19 +12,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from cutpoint import kernels
 from cutpoint.analysis.virtual_power import Flows, virtual_power_flows
+from cutpoint.arrays import Array
 from cutpoint.control.interface import Measurement, Reference
 from cutpoint.control.laws.vdc import VDC
 from cutpoint.errors import InputError
 from cutpoint.robot import Robot
 from cutpoint.scalars import leaves, rebuild
 from cutpoint.simulation.log.log import Log
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

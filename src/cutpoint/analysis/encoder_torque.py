@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.control.sensors import Sensors, one_each
 from cutpoint.door import check_kind, checked_array
 from cutpoint.errors import InputError
@@ -12,8 +13,6 @@ from cutpoint.mechanics.drives.harmonic_drive import deflection
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
-
-Array = NDArray[np.float64]
 
 COVERED = 3.2905
 """Standard deviations within which 99.9 % of a normal distribution lie."""

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.analysis.linear_model import LinearModel
+from cutpoint.arrays import Array, ComplexArray
 from cutpoint.door import check_kind, checked_name, checked_numbers
 from cutpoint.errors import InputError
 from cutpoint.resolvent import resolvent
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 HAS_A_PEAK = 1 / np.sqrt(2)
 """A second-order resonance damped more than this has no peak over frequency."""

@@ -1,18 +1,17 @@
 """A robot with elastic joints, linearised: Jacobians of its equations of motion, exact to rounding."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cutpoint.analysis.linear_model import LinearModel, OperatingPoint
 from cutpoint.analysis.plant import Plant, plant_of
+from cutpoint.arrays import Array
 from cutpoint.derivatives.sweeps import Slopes
 from cutpoint.door import check_truths, checked_array
 from cutpoint.errors import InputError
 from cutpoint.joint_units import at_joints
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot, checked_pose
-
-Array = NDArray[np.float64]
 
 
 def linearize(

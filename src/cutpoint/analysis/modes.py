@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
+from cutpoint.arrays import Array, ComplexArray
 from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
@@ -18,9 +19,6 @@ from cutpoint.robot_arguments import check_robot, checked_pose
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 SPRING_SHARE = 0.1
 """Of a mode's energy, what its springs hold at least if it is one of the drives: half without damping, next to nothing

@@ -6,15 +6,12 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullLocator
-from numpy.typing import NDArray
 
 from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_response
 from cutpoint.analysis.modes import Modes
+from cutpoint.arrays import Array, ComplexArray
 from cutpoint.errors import InputError
 from cutpoint.reporting.style import ACROSS, INK, LINK, MOTOR, STYLE, fit, styled_figure
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 PANEL = (4.4, 3.9)
 """Inches of a joint's magnitude and phase together."""

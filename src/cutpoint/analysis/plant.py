@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint import definitions, derivatives, kernels
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.derivatives import sweeps
 from cutpoint.derivatives.definitions import elastic_forward_dynamics
@@ -20,7 +20,6 @@ from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
 
-Array = NDArray[np.float64]
 Scalars = list[Any]
 
 

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.commands.shared import say_path
 from cutpoint.commands.tables import efforts_of
 from cutpoint.files import replacing
@@ -17,8 +17,6 @@ from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
     from cutpoint.analysis import Modes
-
-Array = NDArray[np.float64]
 
 LAWS = ("compliance", "link_friction", "motor_friction", "hysteresis", "kinematic_error")
 """Parts of a drive that are of several classes, whose name is told."""

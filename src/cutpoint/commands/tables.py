@@ -5,10 +5,10 @@ from dataclasses import is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
+from cutpoint.arrays import Array
 from cutpoint.joint_units import are_prismatic, at_joints
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
@@ -22,8 +22,6 @@ from cutpoint.robot import Robot
 if TYPE_CHECKING:
     from cutpoint.analysis import Modes
     from cutpoint.simulation import Log
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-6
 """rad (m), and per second, by which a joint that moves to its limits may exceed them without a note."""

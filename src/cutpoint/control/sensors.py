@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_choice, number, whole
 from cutpoint.errors import InputError
 from cutpoint.scalars import Scalar
-
-Array = NDArray[np.float64]
 
 SAMPLED = ("q", "theta", "v", "theta_dot")
 """The order of a sample: what encoders read, which are positions, comes before speeds."""
@@ -112,7 +111,7 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     return Encoders(resolution, noise, round(steps), sensors.speeds == "differenced", seed, size, sensors.sides)
 
 
-def one_each(sensors: Sensors, name: str, size: int) -> NDArray[np.float64] | None:
+def one_each(sensors: Sensors, name: str, size: int) -> Array | None:
     """A number for each of so many drives, or None.  Raises InputError."""
     value = getattr(sensors, name)
     if value is None:

@@ -5,8 +5,9 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.derivatives import definitions, large, sweeps
 from cutpoint.derivatives.definitions import (
     ElasticForwardDynamicsDerivatives,
@@ -25,8 +26,6 @@ from cutpoint.robot_arguments import check_robot
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
-
-Array = NDArray[np.float64]
 
 MOST_COMPILED = 48
 """Bodies beyond which derivatives of an elastic inverse dynamics are more than can be compiled."""

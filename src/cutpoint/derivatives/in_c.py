@@ -12,8 +12,6 @@ from cutpoint.kernels.targets.c99_program import check_stack
 from cutpoint.robot import Robot
 from cutpoint.rolled import DERIVATIVES, RolledFunction
 
-Array = np.ndarray
-
 
 def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     """The function in C, and the same on arrays (m, n) of any numbers, with the drives' parameters built in.
@@ -28,7 +26,7 @@ def forward_dynamics(robot: Robot) -> tuple[Source, Callable[..., Any]] | None:
     solver = compiled_of(robot).solver
     motion, slopes = (RolledFunction(key, robot.machine, robot.backend) for key in ("forward_dynamics", DERIVATIVES))
 
-    def computed(q: Array, v: Array, tau: Array) -> tuple[Array, ...]:
+    def computed(q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> tuple[np.ndarray, ...]:
         (a,) = motion.computed([q, v, tau])
         d_q, d_v, M = slopes.computed([q, v, a])
         _, *found = solver.solutions(solver.state(q, M), d_q, d_v)

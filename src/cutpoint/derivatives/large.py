@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_blas_funcs, get_lapack_funcs
 
+from cutpoint.arrays import Array
 from cutpoint.drive_slopes import EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.mechanics.system import Driven
@@ -17,7 +18,6 @@ from cutpoint.mechanics.system import Driven
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 _factors, _inverse = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)

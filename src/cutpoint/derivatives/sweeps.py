@@ -8,9 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cutpoint import definitions
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
@@ -22,7 +23,6 @@ from cutpoint.mechanics.kinematics import coordinate_rates
 from cutpoint.robot import Robot
 from cutpoint.scalars import Jet, Scalar
 
-Array = NDArray[np.float64]
 Scalars = list[Scalar]
 Function = Callable[..., Scalars]
 

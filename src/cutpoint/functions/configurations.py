@@ -4,13 +4,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.system import System
 from cutpoint.model import Joint, Mechanism
 from cutpoint.model.mechanism import Limits
-
-Array = NDArray[np.float64]
 
 ENDLESS = 1e5
 """rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""

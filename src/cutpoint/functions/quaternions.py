@@ -4,15 +4,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.backends import chosen
 from cutpoint.mechanics.bodies.joints import Floating, Spherical
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 
-Array = NDArray[np.float64]
 Function = Callable[..., Any]
 
 SHORTEST = 1e-50

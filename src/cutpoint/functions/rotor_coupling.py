@@ -1,13 +1,11 @@
 """Rotors behind springs, with the links that carry them: the mass matrix [M, S; S^T, J].  De Luca and Tomei (1996)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.kinematics import joint_poses
 from cutpoint.model.mechanism import WORLD
-
-Array = NDArray[np.float64]
 
 
 def rotor_coupling(machine: Machine, q: Array) -> Array:

@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.model.holding import hold
 from cutpoint.model.lumping import NO_MASS, MassProperties, lumped, placed
-from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Array, Body, Frame, Joint, Link, Mechanism
+from cutpoint.model.mechanism import STANDARD_GRAVITY, WORLD, Body, Frame, Joint, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import unit_vector
 from cutpoint.model.tree import depth_first

@@ -3,14 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Limits, Mechanism
 from cutpoint.model.validation import DEGREES_BEYOND
-
-Array = NDArray[np.float64]
 
 MILLIMETRES_BEYOND_LIMIT = 10.0
 """Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cutpoint.model.mechanism import Array
+from cutpoint.arrays import Array
 
 
 class MassProperties(NamedTuple):

@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cutpoint.arrays import Array
+
 JointKind = Literal[
     "fixed", "revolute", "continuous", "prismatic", "helical", "universal", "planar", "spherical", "floating"
 ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cutpoint.model.mechanism import Array
+from cutpoint.arrays import Array
 
 RIGID_TOLERANCE = 1e-9
 """How far R R^T may be from the identity, per entry."""

@@ -13,9 +13,10 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.errors import listed, those_that_exist
 from cutpoint.model.lumping import MassProperties
-from cutpoint.model.mechanism import DRIVEN_KINDS, Array, Body, Joint, JointKind, Limits, Link
+from cutpoint.model.mechanism import DRIVEN_KINDS, Body, Joint, JointKind, Limits, Link
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid, unit_vector
 from cutpoint.model.units import SLIDING

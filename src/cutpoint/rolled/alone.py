@@ -16,8 +16,6 @@ from cutpoint.mechanics.system import Driven, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import leaves, rebuild, structure_of
 
-Array = np.ndarray
-
 MOST_STRAIGHT_BODIES = 256
 """Bodies up to which straight-line code is taken: its single calls are quicker."""
 
@@ -42,8 +40,8 @@ class Kind(NamedTuple):
     """Joints that are alike: their kernel, where their entries stand (joints, own), and their drives' numbers."""
 
     kernel: Kernel
-    places: Mapping[str, Array]
-    parameters: list[Array]
+    places: Mapping[str, np.ndarray]
+    parameters: list[np.ndarray]
 
 
 def joint_by_joint(
@@ -96,7 +94,7 @@ class JointByJoint:
         return found.sum(axis=-1) if self._output == "total" else found
 
 
-def _own(kind: Kind, key: str, x: Array) -> Array:
+def _own(kind: Kind, key: str, x: np.ndarray) -> np.ndarray:
     """The entries of these joints, (..., joints, own); what is one number for all, (..., 1)."""
     return x[..., None] if key == "dt" else x[..., kind.places[_where(key)]]
 

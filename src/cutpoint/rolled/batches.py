@@ -15,8 +15,6 @@ from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import side_by_side
 from cutpoint.rolled.runs import One
 
-Array = np.ndarray
-
 MOST_MEMORY = 2**25
 """Bytes for configurations side by side.
 
@@ -80,7 +78,7 @@ class Places:
     Like `OneMemory`, which has bodies side by side in place of configurations.
     """
 
-    def __init__(self, task: Task, arrays: Mapping[str, Array], lanes: int) -> None:
+    def __init__(self, task: Task, arrays: Mapping[str, np.ndarray], lanes: int) -> None:
         self._task, self._arrays, self._lanes = task, arrays, lanes
 
     def of(self, name: str) -> Output:
@@ -98,10 +96,10 @@ class Places:
         base = [Part(self._in_shape(f"base.{name}", head), np.s_[:head])] if head else []
         return Output(shape, [*base, Part(self._by_body(name), np.s_[head:])])
 
-    def _in_shape(self, name: str, *shape: int) -> Array:
+    def _in_shape(self, name: str, *shape: int) -> np.ndarray:
         return self._arrays[name].reshape(*shape, self._lanes)
 
-    def _by_body(self, name: str, *shape: int) -> Array:
+    def _by_body(self, name: str, *shape: int) -> np.ndarray:
         """Parts stored for each body, without the rows of base, world and tip."""
         return self._arrays[name][: self._task.bodies].reshape(self._task.bodies, *shape, self._lanes)
 

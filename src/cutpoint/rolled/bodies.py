@@ -21,8 +21,6 @@ from cutpoint.rolled.packing import pose_by_columns
 from cutpoint.rolled.subsystem import OneAxis, Subsystem, mat3, vec3
 from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
-Array = np.ndarray
-
 FIELDS = {
     "rotation": 9, "position": 3, "inertia": 10, "screw": 2, "armature": 1, "rotor's axis": 3, "geared momentum": 1,
     "sprung momentum": 1, "sprung inertia": 1, "number": 1, "last carried": 1,
@@ -63,7 +61,7 @@ def bodies_of(system: System) -> range:
     return range(int(base_of(system) is not None), len(system.segments))
 
 
-def parents_of(system: System) -> Array:
+def parents_of(system: System) -> np.ndarray:
     """(n,) numbers of the bodies' parents, WORLD or BASE."""
     given = np.array([body.parent for body in system.segments])
     return given if base_of(system) is None else np.where(given > 0, given - 1, np.where(given == 0, BASE, WORLD))[1:]
@@ -75,14 +73,14 @@ def place_of(system: System, frame: str) -> Place:
     return place if place.body == WORLD else Place(place.body - first if place.body >= first else BASE, place.pose)
 
 
-def base_row(system: System) -> Array:
+def base_row(system: System) -> np.ndarray:
     """(BASE_NUMBERS,) the base's numbers."""
     X, M = system.segments[0].placement, system.segments[0].inertia
     placed = (*(x for row in X.rotation for x in row), *X.position)
     return np.array([*placed, *parameters_of(M), _last_carried(system)[0] - 1.0])
 
 
-def rows_of(system: System, drives: Sequence[Driven] = ()) -> Array:
+def rows_of(system: System, drives: Sequence[Driven] = ()) -> np.ndarray:
     """(n, BODY and more) each body's numbers, in the order of `subsystem`, and its drive's, if drives are given."""
     spins, last, bodies = {spin.joint: spin for spin in system.spins}, _last_carried(system), bodies_of(system)
     rows = [[*_row(system, i, spins.get(i)), i - bodies.start, last[i] - bodies.start] for i in bodies]
@@ -130,7 +128,7 @@ class Columns:
     `Segment.to_user_axes`.  are_coupled: whether rotors with full coupling are behind springs.
     """
 
-    def __init__(self, rows: Array, models: Sequence[Model] = (), base: Segment | None = None) -> None:
+    def __init__(self, rows: np.ndarray, models: Sequence[Model] = (), base: Segment | None = None) -> None:
         """models: of the drives' structures."""
         self.base, self.models = base.joint if base else None, models
         self.base_to_user_axes = base.to_user_axes if base else IDENTITY

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from cutpoint.kernels.targets.c99 import Source
     from cutpoint.rolled.batches import Batches
 
-Array = np.ndarray
-
 LANES = 8
 """Bodies, or configurations, that are computed side by side: what AVX-512 takes at once, others in two or four."""
 
@@ -183,13 +181,13 @@ class RolledFunction:
             found = [self._of_driven(k, x) for k, x in zip(names, found, strict=True)]
         return self._record(*found) if self._record else found[0]
 
-    def _of_driven(self, name: str, found: Array) -> Array:
+    def _of_driven(self, name: str, found: np.ndarray) -> np.ndarray:
         """An output without what it has for bodies that no drive moves."""
         if name in OF_DRIVES:
             return found[..., self._driven]
         return found[..., self._driven, :] if name in OF_MOTORS else found
 
-    def _at_bodies(self, key: str, given: ArrayLike) -> Array:
+    def _at_bodies(self, key: str, given: ArrayLike) -> np.ndarray:
         """An input, checked; of drives, with zeros for the bodies that have none."""
         if self._are_all_driven or key not in OF_DRIVES:
             return checked_array(self.name, key, given, self._task.size(key))
@@ -198,7 +196,7 @@ class RolledFunction:
         spread[..., self._driven] = x
         return spread
 
-    def _of_batch(self, given: tuple[Any, ...]) -> Sequence[Array] | None:
+    def _of_batch(self, given: tuple[Any, ...]) -> Sequence[np.ndarray] | None:
         """The outputs of a contiguous batch; None for everything else, including mistakes."""
         first = given[0] if given else None
         if self._batches is None or not self._are_all_driven or type(first) is not np.ndarray or first.ndim < 2:
@@ -207,7 +205,7 @@ class RolledFunction:
             found = batch.whole(given, None) if batch.whole else None
         return (found,) if isinstance(found, np.ndarray) else found
 
-    def computed(self, given: Sequence[Array]) -> list[Array]:
+    def computed(self, given: Sequence[np.ndarray]) -> list[np.ndarray]:
         """The outputs for arrays of the right lengths, whatever numbers they hold."""
         pairs = zip(self._task.recipe.inputs, given, strict=True)
         shape = common_batch(self.name, {key: x.shape[:-1] for key, x in pairs})

@@ -13,7 +13,6 @@ from cutpoint.rolled.bodies import BASE, Columns, base_row, parents_of, place_of
 from cutpoint.rolled.packing import flat
 from cutpoint.rolled.recipes import Recipe
 
-Array = np.ndarray
 T = TypeVar("T")
 
 COLUMN = "column"
@@ -55,7 +54,7 @@ class Task:
         in_parts |= {name: (speeds, k * every) for name, k in self.steps.entries.items()}
         return {**in_parts, **self.steps.shapes}.get(name, (self.size(name),))
 
-    def pairs(self, lanes: int) -> tuple[dict[str, Array], dict[str, int]]:
+    def pairs(self, lanes: int) -> tuple[dict[str, np.ndarray], dict[str, int]]:
         """Bodies and blocks of others, by number, where one carries the other, and the positions of their entries.
 
         By kinship: see `Kinship.lists`; then their counts, by its name.
@@ -68,7 +67,7 @@ class Task:
         carried = np.zeros_like(carry)
         carried[:, :n] = carry[:, :n].T
         is_carried, carries = (x.reshape(n, blocks, lanes).any(axis=2) for x in (carry, carried))
-        lists: dict[str, Array] = {}
+        lists: dict[str, np.ndarray] = {}
         counts: dict[str, int] = {}
         for kin in self.steps.kinships(is_sure=lanes == 1):
             chosen = (carries == kin.carries) & (is_carried == kin.is_carried)
@@ -77,7 +76,7 @@ class Task:
             counts[kin.name] = len(body)
         return lists, counts
 
-    def rows(self, world: int) -> dict[str, Array]:
+    def rows(self, world: int) -> dict[str, np.ndarray]:
         """Lists of rows, given the world's; the base's row follows it."""
         numbers = {"parent": self._parents, "world": np.array([WORLD]), "base": np.array([BASE]), "tip": self._tip}
         lists = {k: np.select([x == WORLD, x == BASE], [world, world + 1], x) for k, x in numbers.items()}
@@ -103,7 +102,7 @@ class Spare(Generic[T]):
         self._free.append(memory)
 
 
-def aligned(size: int, head: int = 0) -> Array:
+def aligned(size: int, head: int = 0) -> np.ndarray:
     """(head + size,) zeros, of which those after the head are aligned to a cache line."""
     room = np.zeros(head + size + LINE // 8)
     skipped = -(room.ctypes.data + 8 * head) % LINE // 8

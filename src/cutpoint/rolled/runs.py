@@ -10,7 +10,7 @@ from cutpoint.kernels.programs.outputs import Fixed, Output, Part, whole
 from cutpoint.rolled.memory import COLUMN, Spare, Task, aligned
 from cutpoint.rolled.passes import Rolled, one_by_one
 
-Array = np.ndarray
+Arrays = dict[str, np.ndarray]
 
 
 class One:
@@ -30,14 +30,14 @@ class One:
         return OneMemory(self._task, self.program, stated, arrays, vectors)
 
 
-def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[dict[str, Array], dict[str, Array], dict[str, int]]:
+def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[Arrays, Arrays, dict[str, int]]:
     """Arrays by region or list of rows; those of which inputs and outputs are parts; and counts."""
     n, blocks = task.bodies, -(-task.bodies // lanes)
     rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
     rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
     rows |= dict.fromkeys(task.steps.threes, blocks * lanes + 2)
     sizes = {r.name: r.room for r in rolled.regions}
-    arrays: dict[str, Array] = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
+    arrays: Arrays = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
     vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
     for name, vector in vectors.items():
         head = task.of_base(name)
@@ -71,15 +71,15 @@ class OneMemory:
         task: Task,
         program: Program,
         counts: Mapping[str, int],
-        arrays: dict[str, Array],
-        vectors: dict[str, Array],
+        arrays: Arrays,
+        vectors: Arrays,
     ) -> None:
         self._task, self._program, self._counts, self._arrays = task, program, counts, arrays
         self.run = program.bound(counts, **arrays)
         self.inputs = {k: vectors[k][: task.size(k)] for k in task.recipe.inputs}
         self.outputs = {k: self._output(k, vectors.get(k)) for k in task.recipe.outputs}
 
-    def __call__(self, given: Sequence[Array], found: Sequence[Array]) -> None:
+    def __call__(self, given: Sequence[np.ndarray], found: Sequence[np.ndarray]) -> None:
         """Arrays (m, n) in, results into others (m, ...): one configuration after another."""
         for k in range(len(found[0])):
             for own, x in zip(self.inputs.values(), given, strict=True):
@@ -94,7 +94,7 @@ class OneMemory:
         named = dict(zip(outputs, self.outputs.values(), strict=True))
         return Fixed(self._program.plan, self._counts, self._arrays, inputs, named)
 
-    def _output(self, name: str, vector: Array | None) -> Output:
+    def _output(self, name: str, vector: np.ndarray | None) -> Output:
         shape = self._task.shape(name)
         if name in self._task.steps.entries:
             return Output(shape, self._columns_by_body(name, shape[0] - self._task.bodies))
@@ -128,7 +128,7 @@ class OneMemory:
         own, none = self._arrays[f"base.{name}"].reshape(k, size), np.zeros((n, size))
         return [Part(own, np.s_[:k, :size]), Part(none, np.s_[k:, :size]), *rows, *pairs]
 
-    def _by_body(self, kept: Array, rows: slice, first: int) -> list[Part]:
+    def _by_body(self, kept: np.ndarray, rows: slice, first: int) -> list[Part]:
         """Parts stored as (rows, blocks, columns, lanes), from a column on: whole blocks, and the remainder."""
         *_, size, lanes = kept.shape
         n, by_body = self._task.bodies, kept.swapaxes(2, 3)

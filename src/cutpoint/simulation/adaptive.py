@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.drives import strains
 from cutpoint.mechanics.drives.harmonic_drive import transmission
@@ -18,7 +18,6 @@ from cutpoint.model.drive import Drive
 from cutpoint.simulation.loop.loop import BEYOND, ClosedLoop
 from cutpoint.simulation.plant import Own, all_rates, arrived, by_drive, shaft_and_current, split
 
-Array = NDArray[np.float64]
 Scalars = list[Any]
 
 RTOL, ATOL = 1e-12, 1e-13

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_array
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import compiled_of
@@ -12,8 +12,6 @@ from cutpoint.functions.quaternions import check_quaternions
 from cutpoint.mechanics.drives.strains import count, gathered
 from cutpoint.robot import Robot
 from cutpoint.simulation.plant import State, lengths
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Relative, or in rad, rad/s (m, m/s): within it a rigid drive's motor is where its link is."""

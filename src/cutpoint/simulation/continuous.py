@@ -5,18 +5,16 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.scalars import leaves
 from cutpoint.simulation.adaptive import ATOL, RTOL, Scalars, end_period, plant_rates
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
 from cutpoint.trajectories.trajectory import Moves
-
-Array = NDArray[np.float64]
 
 
 def check_continuous(loop: ClosedLoop) -> None:

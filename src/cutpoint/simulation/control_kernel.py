@@ -3,9 +3,9 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.control.interface import SENSED, Control, start_of
 from cutpoint.control.own_law import check_pure
 from cutpoint.control.sensors import SAMPLED, Sensors, encoders_of
@@ -15,8 +15,6 @@ from cutpoint.scalars import leaves, with_float_leaves
 from cutpoint.simulation.controllers import fitting
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.parameters import law_parameters
-
-Array = NDArray[np.float64]
 
 REFERENCE = ("reference_q", "reference_v", "reference_a", "reference_jerk", "reference_snap")
 

@@ -3,8 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_array, number, positive, whole
 from cutpoint.errors import InputError, listed
 from cutpoint.model.limits import check_configuration
@@ -15,7 +16,6 @@ from cutpoint.simulation.loop.noise import Noise
 from cutpoint.simulation.plant import State
 from cutpoint.trajectories.trajectory import Moves
 
-Array = NDArray[np.float64]
 Disturbance = Callable[[Array], ArrayLike]
 
 MOST_SAMPLES = 10_000_000

@@ -9,8 +9,8 @@ from threading import Event
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.control.interface import Control, name_of
 from cutpoint.control.sensors import Sensors
@@ -28,8 +28,6 @@ from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_
 from cutpoint.simulation.steps.steps_reached import TooFew, check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps
 from cutpoint.trajectories.trajectory import Moves
-
-Array = NDArray[np.float64]
 
 MOST_NAMED = 8
 """Runs that a warning names."""

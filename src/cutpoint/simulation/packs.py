@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import SimulationError
 from cutpoint.kernels import Program
 from cutpoint.kernels.arrays.backends import numbers_at_once
@@ -27,8 +27,6 @@ from cutpoint.simulation.runner import (
     working_memory,
 )
 from cutpoint.simulation.steps.substeps import Steps
-
-Array = NDArray[np.float64]
 
 BUFFER = 4 * BLOCK
 """Samples whose noise and record a pack holds at a time, so that a cache does."""

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.drives.harmonic_drive import slipping_torque
 from cutpoint.mechanics.drives.motor import within_limits
@@ -13,8 +13,6 @@ from cutpoint.simulation.log.channels import BASE_COORDINATES, BASE_SPEEDS, DIFF
 from cutpoint.simulation.log.log import Log, Run
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.plant import State
-
-Array = NDArray[np.float64]
 
 POSITIONS = ("q", "theta", "measured_q", "measured_theta", "motor_reference", "reference_q", "position_error",
              "motor_position_error")  # fmt: skip

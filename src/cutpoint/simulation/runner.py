@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
@@ -16,8 +16,6 @@ from cutpoint.reporting.bar import Bar
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.step import TABLEAU
 from cutpoint.simulation.plant import State
-
-Array = NDArray[np.float64]
 
 Integrate = Callable[[dict[str, Array], Array], None]
 """Of a loop's memory and a period's row."""

@@ -5,8 +5,8 @@ from types import NoneType
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.interface import Control, name_of, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
@@ -37,7 +37,6 @@ from cutpoint.simulation.steps.steps_reached import check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps, substeps_for
 from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
 
-Array = NDArray[np.float64]
 Accuracy = Literal["standard", "fine", "reference"]
 
 KINDS: dict[str, tuple[Any, str]] = {

@@ -6,10 +6,10 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import ModelError
 from cutpoint.model.mechanism import Body, Mechanism
 
-Array = NDArray[np.float64]
 Numbers = NDArray[Any]
 """Real numbers, or complex ones for complex-step derivatives."""
 Kind = Literal["revolute", "prismatic"]

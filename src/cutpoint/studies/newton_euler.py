@@ -10,7 +10,8 @@ from typing import Self
 
 import numpy as np
 
-from cutpoint.studies.chain import Array, Chain, Places, places
+from cutpoint.arrays import Array
+from cutpoint.studies.chain import Chain, Places, places
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import LARGEST, checked_numbers
 from cutpoint.errors import InputError, counted
-
-Array = NDArray[np.float64]
 
 
 def joint_name(joints: Sequence[str] | None, index: int) -> str:

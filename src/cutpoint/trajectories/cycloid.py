@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.trajectories.arrays import Array
+from cutpoint.arrays import Array
 from cutpoint.trajectories.point_to_point import PointToPoint
 
 TURN = np.float64(2.0 * np.pi)

@@ -10,7 +10,8 @@ from scipy.interpolate import BSpline
 from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array, diags_array, eye_array
 
-from cutpoint.trajectories.arrays import Array, durations
+from cutpoint.arrays import Array
+from cutpoint.trajectories.arrays import durations
 
 DEGREE = 7
 """Twice four, less one: the degree of the exact minimiser, with six continuous derivatives."""

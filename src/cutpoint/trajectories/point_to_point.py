@@ -7,9 +7,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import positive
 from cutpoint.errors import InputError, counted
-from cutpoint.trajectories.arrays import Array, positions
+from cutpoint.trajectories.arrays import positions
 from cutpoint.trajectories.trajectory import Trajectory
 
 

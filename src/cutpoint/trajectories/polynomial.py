@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
-from cutpoint.trajectories.arrays import Array
+from cutpoint.arrays import Array
 from cutpoint.trajectories.point_to_point import PointToPoint
 
 

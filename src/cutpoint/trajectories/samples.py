@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.door import check_truths, checked_names, number
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, joint_name, timed_positions
+from cutpoint.trajectories.arrays import joint_name, timed_positions
 from cutpoint.trajectories.spline import Spline, check_swing
 
 DEFAULT_BANDWIDTH = 10.0

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, joint_name
+from cutpoint.trajectories.arrays import joint_name
 from cutpoint.trajectories.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import whole
 from cutpoint.errors import InputError
-from cutpoint.trajectories.arrays import Array, numbers
+from cutpoint.trajectories.arrays import numbers
 
 
 class Sample(NamedTuple):

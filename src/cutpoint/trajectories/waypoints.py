@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.trajectories.arrays import Array, timed_positions
+from cutpoint.arrays import Array
+from cutpoint.trajectories.arrays import timed_positions
 from cutpoint.trajectories.spline import Spline, check_swing
 
 DEGREE = 5

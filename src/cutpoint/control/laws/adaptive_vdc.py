@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.interface import Command, Measurement, Reference
 from cutpoint.control.laws import adaptation, command_filter
 from cutpoint.control.laws.joint_law import JointGains, RequiredTorque, joint_command, required_drive_torque
@@ -125,7 +125,7 @@ class AdaptiveVDC(VDC):
         bodies = zip(modelled, estimates, powers, strict=True)
         return tau, rotors, [self._learnt(body, estimate, s, m.period) for body, estimate, s in bodies]
 
-    def inertial_parameters(self, memory: Estimates) -> NDArray[np.float64]:
+    def inertial_parameters(self, memory: Estimates) -> Array:
         """(10 n,): the current estimates for all bodies, in the order of `Robot.inertial_parameters`."""
         found: list[float] = []
         for segment, estimate in zip(self.model.system.segments, memory.bodies, strict=True):

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.control.interface import Measurement, Reference, name_of, start_of, stepped
 from cutpoint.control.own_law import check_pure
 from cutpoint.errors import InputError
@@ -14,8 +15,6 @@ from cutpoint.scalars import leaves, rebuild, with_float_leaves
 
 if TYPE_CHECKING:
     from cutpoint.analysis import OperatingPoint
-
-Array = NDArray[np.float64]
 
 STEP = 1e-6
 """rad, rad/s: by which states are moved to see what the law does."""

@@ -4,17 +4,15 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array, ComplexArray
 from cutpoint.control.interface import Control
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.sampled_loop import STEADY, SampledLoop, sampled_loop
 from cutpoint.errors import InputError
 from cutpoint.resolvent import resolvent
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 LEAST = 1e-6
 """The lowest frequency that is looked at, rad a sample; the highest is half of sampling's."""
@@ -137,12 +135,12 @@ class _Cut:
         self.turns = turns[(turns >= LEAST) & (turns <= np.pi)]
         self.L = self.at(self.turns)
 
-    def at(self, turns: Array) -> Complex:
+    def at(self, turns: Array) -> ComplexArray:
         """L at all turns at once."""
         with np.errstate(invalid="ignore"):
             return self._c @ resolvent(self._A, self._b, np.exp(1j * turns))
 
-    def crossings(self, height: Callable[[Complex], Any]) -> Array:
+    def crossings(self, height: Callable[[ComplexArray], Any]) -> Array:
         """Turns where this function of L changes sign, by bisection."""
         with np.errstate(invalid="ignore", over="ignore"):
             heights = height(self.L)

@@ -6,8 +6,9 @@ from types import NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.control.interface import SENSED, Control, name_of
 from cutpoint.control.law import as_law, check_drives
 from cutpoint.control.laws.model_law import ModelLaw, check_all_driven, with_models
@@ -25,8 +26,6 @@ from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
     from cutpoint.analysis import LinearModel
-
-Array = NDArray[np.float64]
 
 
 STEADY = 1 + 1e-9

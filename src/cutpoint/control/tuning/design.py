@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 class Design(NamedTuple):

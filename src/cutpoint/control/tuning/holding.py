@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.stability.margins import peak_sensitivity
@@ -16,8 +16,6 @@ from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 STOPPED = 1.0
 """Nepers a second: what grows more slowly may be left to dry friction, which the linear plant lacks."""

@@ -14,8 +14,8 @@ tau^2 c and beta the spring's gain; the proof of stability needs gamma < 1.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.laws.adaptation import power_matrix
 from cutpoint.control.tuning.design import Design
 from cutpoint.joint_units import are_prismatic
@@ -24,8 +24,6 @@ from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 DAMPING = 0.5
 """That is left to modes of learning: half of g is for bodies, half for joints."""

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.gains import gains, motor_limits
 from cutpoint.control.laws.adaptive_vdc import AdaptiveVDC
 from cutpoint.control.laws.computed_torque import ComputedTorque
@@ -21,8 +21,6 @@ from cutpoint.control.tuning.design import Design
 from cutpoint.control.tuning.learning_rates import STROKE, SWING, body_rate, joint_rate
 from cutpoint.joint_units import are_prismatic
 from cutpoint.model.drive import Drive
-
-Array = NDArray[np.float64]
 
 FASTEST, DAMPED = 0.6, 0.7
 """Of the springs' own poles in the closed loop: the most radians in a control period, beyond which sampling would

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError
@@ -40,7 +41,7 @@ from cutpoint.formats.safe_xml import Element, parse_xml
 from cutpoint.formats.urdf.urdf import warn_of_degrees
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive, Rotor
-from cutpoint.model.mechanism import Array, Joint, JointKind, Limits, Link, Mechanism
+from cutpoint.model.mechanism import Joint, JointKind, Limits, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import pose, rotation_about
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.errors import ModelError
 from cutpoint.formats.reading import parse_number
 from cutpoint.formats.safe_xml import Element
 from cutpoint.mechanics.bodies.rotations import rotation_of
-from cutpoint.model.mechanism import Array
 from cutpoint.model.pose import pose, roll_pitch_yaw
 from cutpoint.model.validation import DEGREES_BEYOND
 

@@ -5,15 +5,13 @@ from dataclasses import replace
 from types import NoneType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.logs.resampling import on_grid
-
-Array = NDArray[np.float64]
 
 LINK_SIDE = ("q", "v")
 """The channels of a link's encoder, which often has a clock of its own."""

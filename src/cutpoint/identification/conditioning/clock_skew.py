@@ -10,10 +10,9 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 from scipy.optimize import minimize_scalar
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_numbers, positive
 from cutpoint.errors import InputError
-
-Array = NDArray[np.float64]
 
 Law = Callable[[Array, Array, Array], Array]
 """Functions that may make up x, (N, functions), given y (N, n) and its first two time derivatives."""

@@ -6,9 +6,8 @@ Econometrica 55(3).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from cutpoint.arrays import Array
 
 FARTHEST = 3.0
 """Standard deviations, from the median, at which residuals are clipped where noise is assumed stationary."""

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from scipy.signal import firwin
 from scipy.sparse import csr_array
 
+from cutpoint.arrays import Array
 from cutpoint.door import number
 from cutpoint.errors import InputError
-
-Array = NDArray[np.float64]
 
 CROSSINGS = 3
 """Zeros of the window's sinc on each side: the noise of neighbouring means is almost uncorrelated."""

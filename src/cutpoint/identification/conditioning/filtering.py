@@ -7,11 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import binary_erosion
 from scipy.signal import butter, sosfiltfilt, welch
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_numbers, number, positive, whole
 from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.recording import Recording, check_recording
-
-Array = NDArray[np.float64]
 
 ORDER = 4
 """Order of the Butterworth filter, which runs forwards and backwards."""

@@ -6,15 +6,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
-
 
 DEAD = 5e-5
 """Share of the liveliest joint's torque variation: a torque that varies less carries no information."""

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter
 
+from cutpoint.arrays import Array
 from cutpoint.errors import counted
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import GAP
-
-Array = NDArray[np.float64]
 
 NEIGHBOURS = 5
 """Samples in the median that the middle one should be near."""

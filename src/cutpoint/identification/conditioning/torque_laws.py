@@ -1,14 +1,12 @@
 """Components of a joint's torque, to find how much later it was sampled than the motion: laws for `clock_skew`."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_name
 from cutpoint.identification.conditioning.clock_skew import Law
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
-
-Array = NDArray[np.float64]
 
 CROSSING = 0.05
 """Smoothing of dry friction's sign change, as a share of the RMS speed."""

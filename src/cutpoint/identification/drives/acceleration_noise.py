@@ -1,11 +1,9 @@
 """The frequency band in which a rotor's differenced acceleration is motion, not encoder noise."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
-
-Array = NDArray[np.float64]
 
 SHAKEN = 1e-3
 """Noise left in a rotor's acceleration, as a share of power, if its encoder resolves the motion that well."""

@@ -1,10 +1,9 @@
 """Linear least squares in which some weights cannot be negative: stiffnesses, dampings, friction."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
-Array = NDArray[np.float64]
+from cutpoint.arrays import Array
 
 
 def bounded_weights(columns: Array, target: Array, free: int) -> Array:

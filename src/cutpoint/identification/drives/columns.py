@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Harmonic
-
-Array = NDArray[np.float64]
 
 NEARBY = 0.02
 """Step for derivatives, as a share of a reach: slipping elements reverse at samples, not between them."""

@@ -8,14 +8,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
-
-Array = NDArray[np.float64]
 
 ROUNDS = 4
 """Rounds that fit the spring and the parallel elements in turn: hysteresis of a tenth of the torque converges."""

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.drives.columns import wave_columns, wave_slopes
 from cutpoint.identification.drives.spring_laws import SpringLaw
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import motion_of, still_joints, torques_of
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.two_encoders import LEAST_SAMPLES
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 LEAST_SHARE = 2e-3
 """Least share that is reported: an encoder that is mounted off its centre by a thousandth of its radius shows half."""

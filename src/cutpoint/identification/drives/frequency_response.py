@@ -4,16 +4,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 from scipy.signal import csd, welch
 
+from cutpoint.arrays import Array, ComplexArray
 from cutpoint.door import channels, positive
 from cutpoint.errors import InputError
 from cutpoint.identification.drives.two_masses import TwoMasses
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 WINDOWS = 8
 """Window lengths in a recording, by default; windows overlap by half."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_numbers, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
@@ -15,7 +16,7 @@ from cutpoint.identification.drives.joint_torques import beyond_coulomb, link_to
 from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
 from cutpoint.identification.drives.rotor import late
 from cutpoint.identification.drives.two_encoders import smallest_step
-from cutpoint.identification.logs.recording import Array, Recording, check_recording
+from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.joint_units import words_at
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck

@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import derivative, low_pass
 from cutpoint.identification.drives.rotor import SMOOTHEST, RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
@@ -14,8 +14,6 @@ from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 AVERAGED, CENTRAL = (-1 / 12, 1 / 90, -1 / 560), (-1 / 6, 1 / 30, -1 / 140)
 """Coefficients of differences of second, fourth and sixth order that correct averages with triangular weights, and

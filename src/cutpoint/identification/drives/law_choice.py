@@ -4,11 +4,10 @@ from collections.abc import Hashable, Mapping
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.drives.deflections import DeflectionFit
 
-Array = NDArray[np.float64]
 Name = TypeVar("Name", bound=Hashable)
 
 BLOCKS = 10

@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import low_pass_together
 from cutpoint.identification.drives.rotor import RotorEstimate
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.mechanics.drives.friction import Coulomb
 from cutpoint.model.drive import Drive
-
-Array = NDArray[np.float64]
 
 PUSHES = 0.05
 """Share of all viscous friction: a smaller negative one is model error, not evidence."""

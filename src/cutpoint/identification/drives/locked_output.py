@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import channels, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
@@ -14,8 +15,6 @@ from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.two_encoders import two_encoders
-
-Array = NDArray[np.float64]
 
 REACHED = 0.9
 """Share of the largest torque in both directions: a sweep must reach it to count, and the curve ends there."""

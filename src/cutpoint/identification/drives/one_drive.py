@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
@@ -20,8 +20,6 @@ from cutpoint.identification.drives.torque_delay import Delay
 from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.mechanics.drives.backlash import Backlash, spring_of
 from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
-
-Array = NDArray[np.float64]
 
 SHAPE = ("flexspline",)
 """The law used for springs until the best one is chosen: it includes the linear one."""

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
+from cutpoint.arrays import Array
 from cutpoint.door import channels, checked_numbers, number, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.bridging import longest_bridge
@@ -18,8 +19,6 @@ from cutpoint.identification.conditioning.filtering import derivative, low_pass,
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
 from cutpoint.mechanics.drives.friction import Coulomb
-
-Array = NDArray[np.float64]
 
 UNCERTAIN = 0.1
 """Relative standard deviation above which an estimate counts as unidentifiable."""

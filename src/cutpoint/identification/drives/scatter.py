@@ -5,9 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least
-
-Array = NDArray[np.float64]
 
 WINDOWS = 25
 """Errors that change within one part in this many of the recording are accounted for."""

@@ -4,16 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.drives.columns import slipping, waves
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
 from cutpoint.identification.drives.torque_noise import attenuation, without_attenuation
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
-
-Array = NDArray[np.float64]
 
 COUNTS = 20.0
 """Times the encoders' resolution: springs with a smaller deflection, half of the range, are declared unidentifiable."""

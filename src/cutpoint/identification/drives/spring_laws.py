@@ -11,15 +11,14 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline, LinearSpring
 from cutpoint.scalars import Scalar
 
-Array = NDArray[np.float64]
 Projection = Callable[[Array], Array]
 
 FARTHEST = 5.0

@@ -1,11 +1,9 @@
 """Corrects a spring's fit for noise in the torque: treating the torque as exact overestimates stiffness."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
-
-Array = NDArray[np.float64]
 
 ROUNDS = 3
 """Rounds: each leaves a share of the step before it, which is small if the noise is."""

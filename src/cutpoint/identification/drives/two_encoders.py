@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import channels, number, positive, turns_per_turn
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
@@ -18,8 +19,6 @@ from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringE
 from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw, as_stated
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Compliance
-
-Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 8
 """Waves per turn of the motor that are tried where no orders are stated."""

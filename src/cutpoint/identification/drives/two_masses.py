@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from cutpoint.arrays import Array, ComplexArray
 
 
 class TwoMasses(NamedTuple):

@@ -3,14 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import positive, refused
 from cutpoint.errors import InputError
 from cutpoint.model.mechanism import Joint
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 FREE_TURN, FREE_SLIDE = np.pi, 1.0
 """rad and m to either side of zero: the range of a joint without position limits."""

@@ -11,9 +11,9 @@ from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_name, positive, whole
 from cutpoint.errors import InputError
 from cutpoint.identification.excitation.bounds import bounds_of
@@ -29,8 +29,6 @@ from cutpoint.robot_arguments import check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 CRITERIA = ("determinant", "condition")
 

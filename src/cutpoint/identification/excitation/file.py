@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import positive
 from cutpoint.errors import InputError
 from cutpoint.files import check_readable, replacing
@@ -14,8 +14,6 @@ from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.joint_units import at_joints
 from cutpoint.robot import Robot
 from cutpoint.trajectories import Trajectory
-
-Array = NDArray[np.float64]
 
 VERSION = 1
 

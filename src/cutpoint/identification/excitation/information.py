@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, eigh, eigvalsh, get_lapack_funcs
 
 from cutpoint import definitions
+from cutpoint.arrays import Array
 from cutpoint.identification.excitation.bounds import Bounds, joints_of
 from cutpoint.identification.excitation.kernels import pullback
 from cutpoint.identification.rigid.base_parameters import base_parameters
 from cutpoint.robot import Robot
 
-Array = NDArray[np.float64]
 Criterion = Literal["determinant", "condition"]
 
 CROSSING = 0.02

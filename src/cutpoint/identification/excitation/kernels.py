@@ -4,12 +4,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 MOTION = ("q", "v", "a", "jerk", "snap")
 """Inputs of functions of a motion: the position, and as many of its derivatives as they need."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cutpoint import definitions
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.kernels import pullback
@@ -17,7 +18,6 @@ from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.mechanics.kinematics import frame_pose
 from cutpoint.robot import Robot
 
-Array = NDArray[np.float64]
 Box = tuple[ArrayLike, ArrayLike]
 
 KINDS = ("position", "speed", "acceleration")

@@ -5,15 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.excitation.limits import Use
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.joint_units import at_joints
 from cutpoint.reporting.style import FAINT, MOTOR, STYLE, fit, styled_figure
 from cutpoint.robot import Robot
 
-Array = NDArray[np.float64]
 Bounds = tuple[float, float]
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 1.5

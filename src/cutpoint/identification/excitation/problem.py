@@ -4,15 +4,13 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.information import Criterion, Information, condition_number, judged
 from cutpoint.identification.excitation.limits import Box, limits_of
 from cutpoint.identification.excitation.series import FourierSeries, still_waves
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 SAMPLES = 30
 """Samples per shortest wave during the search."""

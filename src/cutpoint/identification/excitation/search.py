@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.excitation.problem import Problem, Worst
 from cutpoint.reporting.bar import Bar
-
-Array = NDArray[np.float64]
 
 PHASES = ((0.3, 0.01), (0.03, 0.003), (3e-3, 1e-3), (3e-4, 1e-4))
 """Weights of the barriers and the slacks where they turn into parabolas, phase by phase.

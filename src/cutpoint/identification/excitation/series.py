@@ -9,12 +9,10 @@ so that sine and cosine are parts of the speed.  It starts and ends at rest if i
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from cutpoint.arrays import Array
 from cutpoint.trajectories import Trajectory
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

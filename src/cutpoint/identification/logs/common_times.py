@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, listed
 from cutpoint.identification.logs.channel_names import time_channel, unit_of_time
 from cutpoint.identification.logs.mapping import ChannelMap
@@ -14,8 +14,6 @@ from cutpoint.identification.logs.table import Table
 from cutpoint.identification.logs.time_stamps import Ordered, ordered, without_long_gaps
 from cutpoint.identification.logs.wrapping import unwrapped
 from cutpoint.model.stated_units import TIMES
-
-Array = NDArray[np.float64]
 
 SINCE_1970 = 1e17
 """Stamps above this are a clock's, in ns: 1e18 was in 2001, and 3 years of uptime are less."""

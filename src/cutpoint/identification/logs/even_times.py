@@ -3,11 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.logs.recording import UNEVEN, Recording
-
-Array = NDArray[np.float64]
 
 SCATTER = 0.25
 """Periods: stamps farther from even times are not theirs."""

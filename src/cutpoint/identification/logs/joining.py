@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording, check_recording
-
-Array = NDArray[np.float64]
 
 PAUSE = 1.0
 """s without samples between recordings: long enough that nothing connects them."""

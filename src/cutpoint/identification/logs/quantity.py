@@ -7,13 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import counted, listed
 from cutpoint.identification.logs.mapping import ChannelMap, check_unit
 from cutpoint.identification.logs.table import Channel, Table
 from cutpoint.identification.logs.wrapping import spans
 from cutpoint.model.stated_units import COUNTS, SLIDING, TURNING, UNITS
-
-Array = NDArray[np.float64]
 
 
 class Columns(NamedTuple):

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.files import UNREADABLE, check_readable
 from cutpoint.identification.logs.bag_storage import Message, stored_messages
@@ -98,7 +98,7 @@ def _stamp(received: int, content: Any) -> int:
     return stamp.sec * 10**9 + stamp.nanosec if stamp and (stamp.sec or stamp.nanosec) else received
 
 
-def _columns(topic: str, stamps: NDArray[np.float64], contents: Sequence[Any]) -> dict[str, Channel]:
+def _columns(topic: str, stamps: Array, contents: Sequence[Any]) -> dict[str, Channel]:
     """The channels of one series."""
     if not hasattr(contents[0], "name"):
         values = np.array([content.data for content in contents], dtype=np.float64)

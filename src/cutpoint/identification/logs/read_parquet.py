@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
 
@@ -67,7 +67,7 @@ def _channel(column: Any) -> Channel | None:
     return channel(column.combine_chunks().flatten().to_numpy(zero_copy_only=False).reshape(-1, *lengths))
 
 
-def _seconds(column: Any) -> NDArray[np.float64]:
+def _seconds(column: Any) -> Array:
     """Seconds since the first, so that no digit is lost; NaN for missing ones."""
     found = column.to_numpy()
     known = found[~np.isnat(found)]

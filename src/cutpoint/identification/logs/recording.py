@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_name, checked_names, checked_numbers, number
 from cutpoint.errors import InputError, counted, unknown_name
 from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
-
-Array = NDArray[np.float64]
 
 QUANTITIES = ("q", "theta", "v", "theta_dot", "torque", "current")
 """The channels that a recording may have."""

@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-
-Array = NDArray[np.float64]
 
 GAP = 2.5
 """Periods: a longer step is a gap, in which nothing is known.  A single lost sample is bridged."""

@@ -4,15 +4,13 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 CUT_OFF = 0.01
 """Share of the samples: more at the same extreme are clipped, not motion."""

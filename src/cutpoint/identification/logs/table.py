@@ -7,13 +7,11 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError, InputError, those_that_exist
 from cutpoint.model.stated_units import name_and_unit
 from cutpoint.simulation.log.files import LARGEST_FILE
-
-Array = NDArray[np.float64]
 
 SHOWN = 4
 """Largest number of channels without numbers that a message names."""

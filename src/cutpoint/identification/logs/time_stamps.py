@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.model.stated_units import TIMES
-
-Array = NDArray[np.float64]
 
 FEWEST = 4
 """Least number of samples of a log."""

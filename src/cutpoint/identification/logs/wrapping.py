@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.model.stated_units import COUNTS, LENGTHS, UNITS
-
-Array = NDArray[np.float64]
 
 TURN = 2.0 * np.pi
 

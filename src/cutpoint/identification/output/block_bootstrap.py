@@ -8,10 +8,9 @@ by Patton, Politis and White (2009), Econometric Reviews 28(4).
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t
 
-Array = NDArray[np.float64]
+from cutpoint.arrays import Array
 
 DRAWS = 1000
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.drives.identify_drives import DriveEstimates
@@ -20,8 +20,6 @@ from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.joint_units import at_joints
 from cutpoint.reporting.style import MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 ORDERS = np.arange(0.25, 8.001, 0.05)
 """Waves per turn of the motor in the spectrum."""

@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
 from cutpoint.identification.drives.encoder_gains import gain_notes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
 from cutpoint.identification.drives.torque_delay import delay_notes
-from cutpoint.identification.logs.recording import Array, Recording
+from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
 from cutpoint.model.drive import Drive, Rotor

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_truths, number, path_of
 from cutpoint.errors import InputError
 from cutpoint.formats.drives.file_writing import worded
@@ -19,7 +20,7 @@ from cutpoint.identification.drives.identify_drives import DriveEstimates, check
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
-from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Array, Recording
+from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers

@@ -7,6 +7,7 @@ changes its sign at reversals.  Gautier (1997), ICRA, for the filters that torqu
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, slide_with_motors, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
@@ -14,8 +15,6 @@ from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.regression import regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, coulomb_laws, laws_with
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def plain_model(robot: Robot, motion: Motion, torque: Array, fitted: NDArray[np.bool_], width: float) -> RigidModel:

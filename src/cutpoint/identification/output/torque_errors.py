@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.filtering import low_pass
 from cutpoint.identification.conditioning.motion import Motion, motion_of, torques_of
 from cutpoint.identification.logs.recording import Recording
@@ -15,8 +16,6 @@ from cutpoint.identification.rigid.identify_rigid import RigidEstimate, explaine
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 RESTS = 0.05
 """Share of the RMS speed on the fitted part: a slower joint may stick."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 
+from cutpoint.arrays import Array
 from cutpoint.door import checked_name, checked_names
 from cutpoint.errors import InputError
 from cutpoint.identification.one_thread import by_one_thread
@@ -19,7 +20,6 @@ from cutpoint.model.mechanism import Body
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 SYMBOLS = ("m", "h_x", "h_y", "h_z", "I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")

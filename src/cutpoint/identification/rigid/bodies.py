@@ -7,13 +7,11 @@ physically consistent bodies.  Wensing, Kim and Slotine (2018), IEEE Robot. Auto
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia
 from cutpoint.model.mechanism import Body, Mechanism
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 BASIS = np.array([pseudo_inertia([float(j == k) for j in range(10)]) for k in range(10)], dtype=np.float64)
 """Pseudo-inertia of each of the ten parameters at one, (10, 4, 4)."""

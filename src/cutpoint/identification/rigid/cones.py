@@ -6,12 +6,10 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError
 from cutpoint.identification.rigid.physical_fit import Fit
-
-Array = NDArray[np.float64]
 
 BLUNTER = (1.0, 0.1, 1e-2, 1e-3)
 """Factors tried in turn if Clarabel gives up: on torques that no body causes, such as those of reversed sign."""

@@ -11,15 +11,14 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize, nnls
 
+from cutpoint.arrays import Array
 from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
 from cutpoint.identification.rigid.regression import friction_columns
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding, Stribeck
 
-Array = NDArray[np.float64]
 Means = Callable[[Array], Array]
 Tried = tuple[Sliding, Array]
 """A law, and the products of its columns with all others, see `_Trial.gram`."""

@@ -8,8 +8,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.motion import sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
@@ -19,7 +19,6 @@ from cutpoint.identification.rigid.rigid_estimate import TorqueData
 from cutpoint.identification.rigid.rigid_robot import laws_with
 from cutpoint.mechanics.drives.friction import Sliding
 
-Array = NDArray[np.float64]
 Laws = Mapping[str, Sliding]
 Shape = tuple[str, str]
 """A joint, and the name of a shape parameter of its law."""

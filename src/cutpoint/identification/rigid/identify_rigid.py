@@ -6,8 +6,8 @@ from functools import partial
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_name
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.decimation import decimation
@@ -45,7 +45,6 @@ from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
 
-Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber", "instrumental"]
 FrictionWish = Literal["choose", "stated"] | Mapping[str, Sliding] | tuple[FrictionChoice, ...]
 

@@ -10,12 +10,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
 from cutpoint.identification.rigid.regression import Regression, triangle
 from cutpoint.identification.rigid.sandwich import Spread, spread
-
-Array = NDArray[np.float64]
 
 LATER = 3
 """Rows after which windows of a decimation share practically no samples."""

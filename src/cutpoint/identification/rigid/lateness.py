@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion
 from cutpoint.identification.logs.recording import EFFORTS
 from cutpoint.identification.rigid.least_squares import with_further
 from cutpoint.identification.rigid.regression import Regression
-
-Array = NDArray[np.float64]
 
 GAP = 1.5
 """Times the usual step: rows farther apart give no rate."""

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.special import erf
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
 from cutpoint.identification.rigid.regression import Regression, triangle
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
-Array = NDArray[np.float64]
 Method = Literal["ordinary", "weighted", "huber"]
 METHODS = get_args(Method)
 

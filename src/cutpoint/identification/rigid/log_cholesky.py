@@ -7,13 +7,11 @@ friction, which are single numbers, are bounded instead.
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError
 from cutpoint.identification.rigid.physical_fit import Fit
-
-Array = NDArray[np.float64]
 
 UPPER = np.triu_indices(4)
 DIAGONAL = np.flatnonzero(UPPER[0] == UPPER[1])

@@ -8,13 +8,11 @@ Robot. 36(2), for the entropic distance; Rucker and Wensing (2022), IEEE Robot. 
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import unknown_name
 from cutpoint.identification.rigid import cones, log_cholesky
 from cutpoint.identification.rigid.physical_fit import Fit
-
-Array = NDArray[np.float64]
 
 Solver = Literal["lmi", "lmi_trace", "log_cholesky"]
 SOLVERS = get_args(Solver)

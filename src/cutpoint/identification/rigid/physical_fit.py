@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.bodies import Bodies, bodies_of
 from cutpoint.identification.rigid.rigid_robot import stated_coefficient
 from cutpoint.mechanics.drives.friction import Sliding
-
-Array = NDArray[np.float64]
 
 LOOSE = 20.0
 """Spread of friction or an offset about the file's, times its usual size.  It hardly affects determined ones."""

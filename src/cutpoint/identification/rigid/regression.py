@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.mechanics.drives.friction import Sliding
-
-Array = NDArray[np.float64]
 
 CHUNK = 4096
 """Number of samples whose regressor is in memory at once."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import unknown_name
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import (
@@ -38,8 +38,6 @@ from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.drives.friction import Sliding, Stribeck
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 FAST = 0.5
 """Share of the joint's top speed: with a larger Stribeck velocity, the log lacks the speeds at which the peak is over,

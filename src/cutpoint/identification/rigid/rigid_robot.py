@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
 from cutpoint.identification.rigid.regression import CHUNK
@@ -14,8 +15,6 @@ from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction, KinematicError, Rotor
 from cutpoint.robot import Robot
-
-Array = NDArray[np.float64]
 
 AT_REST = 0.02
 """Smoothing of friction's sign change, as a share of the RMS speed, if a drive states no friction."""

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
+from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least
-
-Array = NDArray[np.float64]
 
 TIMES = 5.0
 """Largest lag, in correlation times of the residuals.  Sokal (1997)."""

@@ -8,12 +8,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.rigid.least_squares import with_further
 from cutpoint.identification.rigid.regression import Regression, of_joint
-
-Array = NDArray[np.float64]
 
 CERTAIN = 4.0
 """Standard deviations above which a factor is reported."""

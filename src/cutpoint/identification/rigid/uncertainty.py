@@ -6,11 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
-
-Array = NDArray[np.float64]
 
 TOLD = 0.3
 """A parameter is determined if its standard deviation is at most this share of its size, here or in the file."""

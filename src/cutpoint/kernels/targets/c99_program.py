@@ -17,8 +17,6 @@ from cutpoint.kernels.programs.outputs import Fixed, Output
 from cutpoint.kernels.programs.stepping import LaneLoop, Loop, Region, Stage
 from cutpoint.kernels.targets.c99 import Source, helpers, number, statements
 
-Array = np.ndarray
-
 MOST_STACK = 2**22
 """Bytes that a call may take: half of what threads usually have on a PC."""
 
@@ -56,11 +54,11 @@ class _Room(NamedTuple):
     """A C array, for arrays that share memory here, initialised with its contents."""
 
     name: str
-    memory: Array
+    memory: np.ndarray
     about: str
 
 
-def _room(name: str, arrays: Mapping[str, Array]) -> _Room:
+def _room(name: str, arrays: Mapping[str, np.ndarray]) -> _Room:
     """The memory shared by arrays of these names, from the first number used to the last."""
     (owner, *_), starts = map(_owner, arrays.values()), [x.ctypes.data for x in arrays.values()]
     ends = [start + x.nbytes for start, x in zip(starts, arrays.values(), strict=True)]
@@ -75,7 +73,7 @@ class _Rooms:
         plan = fixed.plan
         given = [part.own for x in fixed.inputs.values() for part in x.parts]
         found = [part.own for x in fixed.outputs.values() for part in x.parts]
-        arrays: dict[int, dict[str, Array]] = {}
+        arrays: dict[int, dict[str, np.ndarray]] = {}
         for name in plan.regions:
             arrays.setdefault(id(_owner(fixed.arrays[name])), {})[name] = fixed.arrays[name]
         for x in (*given, *found):
@@ -88,7 +86,7 @@ class _Rooms:
         """Stack memory of a call, bytes."""
         return sum(self._rooms[key].memory.nbytes for key in self._changing)
 
-    def place(self, array: Array) -> tuple[str, int]:
+    def place(self, array: np.ndarray) -> tuple[str, int]:
         """The C array that holds an array, and its offset there."""
         room = self._rooms[id(_owner(array))]
         return room.name, (array.ctypes.data - room.memory.ctypes.data) // FLOAT64.item
@@ -216,7 +214,7 @@ def _table(kind: str, name: str, numbers: Sequence[str]) -> Iterator[str]:
     yield "};"
 
 
-def _owner(array: Array) -> Array:
+def _owner(array: np.ndarray) -> np.ndarray:
     """The array that owns an array's memory."""
     while isinstance(array.base, np.ndarray):
         array = array.base

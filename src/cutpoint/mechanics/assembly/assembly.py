@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.assembly.exact import mat3, number, pose_of, vec3
 from cutpoint.mechanics.assembly.placements import inverse, joined
 from cutpoint.mechanics.assembly.reframing import Framing, RevoluteFrom, framing_of
@@ -18,7 +19,7 @@ from cutpoint.mechanics.bodies.rotors import Spin, axis_of, standing_still
 from cutpoint.mechanics.bodies.spatial import Inertia, Pose
 from cutpoint.mechanics.system import Follower, Place, Segment, System
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import WORLD, Array, Body, Joint, Mechanism
+from cutpoint.model.mechanism import WORLD, Body, Joint, Mechanism
 
 MOTIONS: dict[str, JointMotion] = {
     "revolute": Revolute(), "continuous": Revolute(), "prismatic": Prismatic(), "planar": Planar(),

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Pose, Vec3
-from cutpoint.model.mechanism import Array
 from cutpoint.scalars import Scalar
 
 

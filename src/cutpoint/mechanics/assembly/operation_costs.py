@@ -9,8 +9,8 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.assembly.placements import NEGLIGIBLE, about_z, joined
-from cutpoint.model.mechanism import Array
 
 TURNING = ("revolute", "continuous")
 """Kinds that may turn by a constant beside their coordinate."""

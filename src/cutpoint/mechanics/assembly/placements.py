@@ -4,7 +4,7 @@ from math import cos, sin
 
 import numpy as np
 
-from cutpoint.model.mechanism import Array
+from cutpoint.arrays import Array
 
 NEGLIGIBLE = 1e-13
 """A number this small beside 1, or beside others of its kind, is taken for 0.

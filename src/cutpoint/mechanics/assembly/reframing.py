@@ -13,6 +13,7 @@ from math import atan2, hypot
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.assembly.exact import inertia_from
 from cutpoint.mechanics.assembly.operation_costs import (
     TURNING,
@@ -29,7 +30,7 @@ from cutpoint.mechanics.assembly.units import unit_of_length
 from cutpoint.mechanics.bodies.joints import Revolute
 from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia_of_body
 from cutpoint.mechanics.bodies.spatial import Inertia, Pose
-from cutpoint.model.mechanism import WORLD, Array, Body
+from cutpoint.model.mechanism import WORLD, Body
 from cutpoint.scalars import Scalar
 
 MOVABLE = (*TURNING, "helical", "prismatic")

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.assembly.placements import NEGLIGIBLE
-from cutpoint.model.mechanism import WORLD, Array, Body
+from cutpoint.model.mechanism import WORLD, Body
 
 UNMOVED: dict[str, tuple[int, ...]] = {
     "revolute": (2, 3), "continuous": (2, 3), "prismatic": (0, 1, 2), "helical": (2,), "planar": (2,),

@@ -8,10 +8,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.assembly.placements import NEGLIGIBLE
 from cutpoint.mechanics.bodies.spatial import Inertia, Pose, Vec3
 from cutpoint.mechanics.system import Place, System
-from cutpoint.model.mechanism import WORLD, Array, Body
+from cutpoint.model.mechanism import WORLD, Body
 from cutpoint.scalars import Scalar, is_plain_zero
 
 PURELY_TURNING = ("revolute", "continuous", "spherical")

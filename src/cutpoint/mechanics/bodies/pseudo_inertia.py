@@ -8,9 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import Inertia, Mat3, Vec3
-from cutpoint.model.mechanism import Array, Body
+from cutpoint.model.mechanism import Body
 from cutpoint.scalars import Scalar, sqrt, where
 
 Matrix = list[list[Scalar]]

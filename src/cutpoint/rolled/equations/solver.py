@@ -16,8 +16,6 @@ from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_program import source_of
 from cutpoint.rolled.memory import Spare, aligned
 
-Array = np.ndarray
-
 EQUATIONS = "equations with the mass matrix"
 """As those are told who wait for their code."""
 
@@ -26,9 +24,9 @@ class Room(NamedTuple):
     """Working memory of a program beside columns: arrays by region, and of these the one that it reads first and the
     least number by which it divides."""
 
-    arrays: dict[str, Array]
-    state: Array
-    least: Array
+    arrays: dict[str, np.ndarray]
+    state: np.ndarray
+    least: np.ndarray
 
 
 class Equations(Protocol):
@@ -65,7 +63,7 @@ class Solver:
         self._spare = Spare(self._rows)
         self._solve = self._shortcut()
 
-    def __call__(self, state: Array, *given: Array) -> Sequence[Array] | None:
+    def __call__(self, state: np.ndarray, *given: np.ndarray) -> Sequence[np.ndarray] | None:
         """state: what it reads, M (..., n, n) or q (..., n).  given: each B, (..., n, width).
 
         Each X, and the inverse; None if some M has none.
@@ -74,13 +72,13 @@ class Solver:
         exist = least > 0 if isinstance(least, float) else (least > 0).all()
         return found if exist else None
 
-    def state(self, q: Array, M: Array) -> Array:
+    def state(self, q: np.ndarray, M: np.ndarray) -> np.ndarray:
         """The one of these that it reads, q with all of M's leading axes."""
         if self.reads == "M":
             return M
         return q if q.shape[:-1] == M.shape[:-2] else np.broadcast_to(q, (*M.shape[:-2], q.shape[-1]))
 
-    def solutions(self, state: Array, *given: Array) -> Sequence[Any]:
+    def solutions(self, state: np.ndarray, *given: np.ndarray) -> Sequence[Any]:
         """The same for any M, after the least number that it divides by: positive where there is an inverse."""
         return self._solve(state, *given)
 
@@ -100,7 +98,7 @@ class Solver:
         element, (inputs, outputs) = self._element(), self._ports
         return fastcall(element, "solver", inputs, outputs, Front(self._batch))
 
-    def _batch(self, state: Array, *given: Array) -> list[Array]:
+    def _batch(self, state: np.ndarray, *given: np.ndarray) -> list[np.ndarray]:
         shapes = [port.shape for port in self._ports[0]]
         pairs = zip((state, *given), shapes, strict=True)
         flat = [np.ascontiguousarray(x).reshape(-1, *shape) for x, shape in pairs]
@@ -133,7 +131,7 @@ class Solver:
         """Number of blocks of each B, and of the one whose X is the inverse."""
         return [-(-width // self._equations.lanes) for width in self._widths]
 
-    def _memory(self) -> tuple[dict[str, Array], list[Output], list[Output]]:
+    def _memory(self) -> tuple[dict[str, np.ndarray], list[Output], list[Output]]:
         """Arrays, and where in them the state and each B stand, and the least number, each X and the inverse."""
         room, sizes = self._equations.room(), self._equations.program.plan.sizes
         arrays = dict(room.arrays)
@@ -156,7 +154,7 @@ class Solver:
         return arrays, [whole(room.state), *given], [whole(room.least), *found]
 
 
-def _in_blocks(kept: Array, width: int, rows: range) -> list[Part]:
+def _in_blocks(kept: np.ndarray, width: int, rows: range) -> list[Part]:
     """Rows of a matrix (n, width), of which blocks of columns are kept (blocks, rows, lanes)."""
     lanes, at = kept.shape[-1], slice(rows.start, rows.stop)
     count, rest = divmod(width, lanes)

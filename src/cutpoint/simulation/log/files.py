@@ -16,9 +16,10 @@ from typing import IO, Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
 from cutpoint.files import UNREADABLE, check_readable, check_target_file, replacing
-from cutpoint.simulation.log.log import Array, Log, column_name
+from cutpoint.simulation.log.log import Log, column_name
 
 VERSION = 1
 

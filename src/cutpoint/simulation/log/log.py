@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_names, checked_numbers, number, path_of
 from cutpoint.errors import InputError, unknown_name
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from cutpoint.robot import Robot
     from cutpoint.simulation.plant import State
 
-Array = NDArray[np.float64]
 Unit = str | tuple[str, ...]
 
 RESERVED = ("time", "header")

@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
+from cutpoint.arrays import Array
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
 from cutpoint.reporting.style import ACROSS, FAINT, JOINTS, STYLE, fit, styled_figure
-from cutpoint.simulation.log.log import Array, Log
+from cutpoint.simulation.log.log import Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
 """Inches."""

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.interface import Command, Measurement, Reference, completed
 from cutpoint.control.sensors import SAMPLED
 from cutpoint.scalars import Scalar
 
-Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 

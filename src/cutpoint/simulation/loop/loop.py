@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.held_state import as_it_was
 from cutpoint.control.interface import numbers_after, stepped
 from cutpoint.control.sensors import SAMPLED, Encoders
@@ -28,7 +28,6 @@ from cutpoint.simulation.loop.stages import PlantStages
 from cutpoint.simulation.loop.step import TABLEAU
 from cutpoint.simulation.plant import Lengths, by_drive, is_uniform, lengths
 
-Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 BEYOND = 1e6

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cutpoint import kernels
+from cutpoint.arrays import Array
 from cutpoint.kernels import Kernel
 from cutpoint.scalars import Scalar, cos, log, sin, sqrt
-
-Array = NDArray[np.float64]
 
 BLOCK = 512
 """Samples whose noise is made at once, while the cache still has it."""

@@ -3,14 +3,13 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.control.sensors import Encoders
 from cutpoint.definitions import Machine
 from cutpoint.robot import Robot
 from cutpoint.scalars import Scalar, leaves, rebuild
 
-Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.mechanics.bodies.joints import Revolute
 from cutpoint.mechanics.drives import strains
@@ -37,7 +37,6 @@ from cutpoint.simulation.plant import (
     split,
 )
 
-Array = NDArray[np.float64]
 Scalars = list[Scalar]
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.functions.idle_joints import check_moves_inertia
 from cutpoint.functions.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
 from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
@@ -15,8 +16,6 @@ from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.spring_slopes import stiffest
-
-Array = NDArray[np.float64]
 
 STOPPED, PULLED, TIED = 16.0, 0.2, 3.0
 """Steps times rates of friction at rest, and of a spring's damping, up to either of which what must stop does stop; and

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.fastest import (
@@ -16,8 +16,6 @@ from cutpoint.simulation.steps.fastest import (
     fastest_wave,
     posture,
 )
-
-Array = NDArray[np.float64]
 
 
 class Longest(NamedTuple):

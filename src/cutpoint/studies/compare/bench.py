@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.door import positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.model.tool import tool_frame_of
 from cutpoint.robot import Robot
 from cutpoint.robots import xia2019
-from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.there_and_back import ThereAndBack
 from cutpoint.studies.drive_effects import GEARS
 from cutpoint.studies.paper.printed import GOAL

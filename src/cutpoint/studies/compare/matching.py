@@ -5,11 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.control.stability.sampled_loop import SmallSignal, small_signal
 from cutpoint.control.tuning.design import design_of
 from cutpoint.control.tuning.holding import check_holds
 from cutpoint.errors import InputError
-from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.bench import Bench
 from cutpoint.studies.compare.contenders import CONTENDERS, Contender
 from cutpoint.studies.compare.runs import DIVERGED, score

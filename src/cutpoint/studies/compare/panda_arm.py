@@ -3,13 +3,13 @@
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, files
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.formats.catalogue.catalogue import catalogue_drive
 from cutpoint.loading import load
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.studies.compare.bench import gears_for
-from cutpoint.trajectories.arrays import Array
 
 FILE = "panda_description/urdf/panda.urdf"
 FINGERS = {"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0}

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.robot import Robot
 from cutpoint.simulation import Sensors
-from cutpoint.studies.chain import Array
 from cutpoint.studies.compare.bench import FAST, SLOW, USUAL, Bench
 from cutpoint.studies.drive_effects import (
     ERROR,

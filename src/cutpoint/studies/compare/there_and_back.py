@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cutpoint.studies.chain import Array
+from cutpoint.arrays import Array
 from cutpoint.trajectories import Trajectory
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.definitions import Machine
 from cutpoint.functions.compiled import machine_of
 from cutpoint.mechanics.drives.compliance import LinearSpring
 from cutpoint.model import Drive, Joint, Link, Rotor
 from cutpoint.model.build import build
-from cutpoint.studies.chain import Array
 
 _RATIO = 100.0
 

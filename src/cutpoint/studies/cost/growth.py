@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cutpoint.studies.chain import Array
+from cutpoint.arrays import Array
 
 _FROM = 4
 _TOLERANCE = 0.01

@@ -7,10 +7,10 @@ from functools import partial
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError
 from cutpoint.kernels import Kernel, compile, graph_of
 from cutpoint.kernels.machine.cache import not_kept
-from cutpoint.studies.chain import Array
 from cutpoint.studies.cost.chains import random_machine
 from cutpoint.studies.cost.contenders import CONTENDERS, JETS, VD, Contender, arithmetic
 from cutpoint.studies.cost.timing import Timing, in_turns

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FAINT, FORCE, INK, MOTOR, MOTOR_FILL
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop
 from cutpoint.studies.drive.measured import Specimen
 

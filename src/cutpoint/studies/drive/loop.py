@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from cutpoint.arrays import Array
 from cutpoint.model.drive import Compliance, Drive
-from cutpoint.studies.chain import Array
 
 
 class Wound(NamedTuple):

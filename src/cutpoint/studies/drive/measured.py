@@ -5,13 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_friction, catalogue_gear
 from cutpoint.formats.catalogue.friction import InputFriction
 from cutpoint.formats.catalogue.sheets import CatalogueGear
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.model.drive import Drive
 from cutpoint.model.units import RPM
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Loop, cycle
 
 SMALL = 0.04

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies.chain import Array, Chain, chain_of
+from cutpoint.studies.chain import Chain, chain_of
 from cutpoint.studies.newton_euler import torques
 
 _MISMATCH = 1e-3

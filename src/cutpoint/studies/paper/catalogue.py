@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.page import Page, Picture, Table, number
 from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import Bench
 
 

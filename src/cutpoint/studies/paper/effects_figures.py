@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.catalogue import CatalogueSpring
 from cutpoint.mechanics.drives.friction import Stribeck
 from cutpoint.mechanics.drives.presliding import ElastoPlastic
@@ -16,7 +17,6 @@ from cutpoint.model.drive import Drive
 from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive.loop import Wound, branch, cycle, wound_to
 from cutpoint.studies.drive_effects import (
     ASYMMETRY,

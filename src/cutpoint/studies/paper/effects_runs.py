@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.control import Feedforward
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive_effects import EFFECTS, FRICTION, NEEDS, with_effects
 from cutpoint.studies.paper.bench import Bench, pd
 

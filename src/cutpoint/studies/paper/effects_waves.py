@@ -5,12 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.motor import shaft_torque
 from cutpoint.model.drive import Drive
 from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive_effects import COGGING_ORDER
 
 ORDERS = 10.0

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.mechanics.drives.friction import Stribeck
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.mechanism import Mechanism
 from cutpoint.simulation import Sensors
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import DAMPING, PERIOD
 from cutpoint.studies.paper.ripple import Ripple
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.reporting.page import Table, row
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.imperfections import ALL, Imperfections
 from cutpoint.studies.paper.stand_in import StandIn
 

@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
+from cutpoint.arrays import Array
 from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.panels import six_panels
 from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE
 

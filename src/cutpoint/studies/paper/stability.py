@@ -4,8 +4,8 @@ from typing import Literal
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.compliance import Flexspline
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import KD, KP, Bench
 
 

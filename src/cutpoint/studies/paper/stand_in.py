@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.control import PD, Feedforward
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive
@@ -13,7 +14,6 @@ from cutpoint.model.mechanism import Link, Mechanism
 from cutpoint.robot import Robot
 from cutpoint.simulation import simulate
 from cutpoint.simulation.plant import State
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper import bench
 from cutpoint.studies.paper.imperfections import (
     Chance,

@@ -9,9 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from scipy.ndimage import uniform_filter1d
 
+from cutpoint.arrays import Array
 from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.printed import JOINTS
 from cutpoint.studies.paper.stand_in import Run
 

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from cutpoint.studies.chain import Array
+from cutpoint.arrays import Array
 from cutpoint.studies.paper.bench import PERIOD
 from cutpoint.studies.paper.imperfections import ALL, ORDERS, UNITS
 from cutpoint.studies.paper.imperfections_alone import SEEDS, Alone

@@ -3,12 +3,13 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from cutpoint.arrays import Array
 from cutpoint.reporting.page import Page, Picture, Table, number, row
 from cutpoint.reporting.style import FAINT, INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.robots import xia2019_mechanism
 from cutpoint.studies import lagrange, newton_euler
-from cutpoint.studies.chain import Array, chain_of
+from cutpoint.studies.chain import chain_of
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
 from cutpoint.studies.paper.panels import six_panels

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.control import Feedforward
 from cutpoint.control.laws.feedforward import RUNGS
 from cutpoint.reporting.page import Page, Picture, Table, listed, number, row
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper.bench import DAMPING, KD, KP, PERIOD, Bench, pd
 from cutpoint.studies.paper.loop_figures import by_rung, figure_10, figure_11, position_rms
 from cutpoint.studies.paper.printed import JOINTS, TABLE_4_POSITION, TABLE_4_TORQUE

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.compliance import Flexspline
 from cutpoint.reporting.page import Page, Picture, Table, row
 from cutpoint.reporting.style import INK, LINK, MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
 from cutpoint.simulation import Log
-from cutpoint.studies.chain import Array
 from cutpoint.studies.paper import whole_drive_torque
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.printed import JOINTS

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.analysis import TorqueBound, followed_hysteresis, torque_bound
+from cutpoint.arrays import Array
 from cutpoint.control import Feedforward
 from cutpoint.reporting.page import Table, row
 from cutpoint.simulation import Sensors, simulate
-from cutpoint.studies.chain import Array
 from cutpoint.studies.drive_effects import EFFECTS, with_effects
 from cutpoint.studies.paper.bench import PERIOD, Bench, pd
 from cutpoint.studies.paper.printed import JOINTS

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.studies.sizing import duty
 from cutpoint.studies.sizing.load import Load
-from cutpoint.trajectories.arrays import Array, durations
+from cutpoint.trajectories.arrays import durations
 
 
 @dataclass(frozen=True)

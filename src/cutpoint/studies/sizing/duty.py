@@ -8,7 +8,7 @@ to which it refers; Harmonic Drive LLC, CSF CSG, page 14 of the viewer, equation
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.trajectories.arrays import Array
+from cutpoint.arrays import Array
 
 MOST_PEAKS = 1e4
 """Load changes that a flexspline survives at its momentary peak torque; each turn of the wave generator makes two."""

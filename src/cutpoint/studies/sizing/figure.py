@@ -10,12 +10,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
+from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.model.units import RPM
 from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
 from cutpoint.studies.sizing.drive_sizing import DriveSizing
 from cutpoint.studies.sizing.load import Load
-from cutpoint.trajectories.arrays import Array
 
 PANEL = (3.6, 3.1)
 """Inches of one panel."""

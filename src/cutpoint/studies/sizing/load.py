@@ -5,13 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
-from cutpoint.trajectories.arrays import Array
 from cutpoint.trajectories.trajectory import Moves
 
 FEWEST, MOST = 2_000, 500_000

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.model import Drive, Limits, Motor, Ratings
 from cutpoint.model.units import joint_unit
 from cutpoint.studies.sizing.demand import Demand, Peak
-from cutpoint.trajectories.arrays import Array
 
 ROUNDING = 1e-9
 """A margin that falls short of 1 by less is one that is met exactly."""
