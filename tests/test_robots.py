@@ -6,8 +6,8 @@ import yaml
 
 from cutpoint.formats.urdf.urdf import load_urdf
 from cutpoint.robots import XIA2019_DRIVES, XIA2019_URDF, xia2019_mechanism
-from cutpoint.studies import newton_euler
-from cutpoint.studies.chain import chain_of
+from cutpoint.studies.paper import newton_euler
+from cutpoint.studies.paper.chain import chain_of
 from paper import arm, data
 
 JOINTS = [f"joint{i}" for i in range(1, 7)]

@@ -10,8 +10,8 @@ import pytest
 from cutpoint.errors import ModelError
 from cutpoint.model.mechanism import Body, Joint, Mechanism, Mimic
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies import lagrange, newton_euler
-from cutpoint.studies.chain import Chain, chain_of
+from cutpoint.studies.paper import lagrange, newton_euler
+from cutpoint.studies.paper.chain import Chain, chain_of
 
 
 def random_pose(rng):

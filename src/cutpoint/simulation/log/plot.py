@@ -208,9 +208,12 @@ def _explain(figure: Figure, drawn: dict[str, Line2D]) -> None:
 
 
 def _legend(figure: Figure, drawn: dict[str, Line2D], columns: int) -> Legend:
+    # a legend fills column by column, and is read row by row
+    names = [name for k in range(columns) for name in [*drawn][k::columns]]
     # names are set afterwards: a legend leaves out those that begin with an underscore
-    legend = figure.legend([*drawn.values()], [" "] * len(drawn), loc="outside upper center", ncols=columns)
-    for text, name in zip(legend.get_texts(), drawn, strict=True):
+    lines, blank = [drawn[name] for name in names], [" "] * len(names)
+    legend = figure.legend(lines, blank, loc="outside upper center", ncols=columns)
+    for text, name in zip(legend.get_texts(), names, strict=True):
         text.set_parse_math(False)
         text.set_text(name)
     return legend

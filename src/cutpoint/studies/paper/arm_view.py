@@ -9,7 +9,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from cutpoint.arrays import Array
 from cutpoint.reporting.style import FAINT, HAIR, INK, LINK, MOTOR, SPRING
-from cutpoint.studies.chain import Chain, places
+from cutpoint.studies.paper.chain import Chain, places
 from cutpoint.studies.paper.printed import LENGTHS
 
 Room = tuple[tuple[float, float, float], tuple[float, float, float]]

@@ -6,8 +6,8 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies.chain import Chain, chain_of
-from cutpoint.studies.newton_euler import torques
+from cutpoint.studies.paper.chain import Chain, chain_of
+from cutpoint.studies.paper.newton_euler import torques
 
 _MISMATCH = 1e-3
 _ROUNDED_GRAVITY = np.array([0.0, 0.0, -9.80])

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from cutpoint.arrays import Array
 from cutpoint.reporting.style import WIDTH
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies.chain import chain_of
 from cutpoint.studies.paper.arm_view import draw_arm, draw_legend, view
+from cutpoint.studies.paper.chain import chain_of
 
 _ROOM = ((-0.25, -0.25, 0.0), (1.25, 1.0, 1.0))
 

@@ -8,8 +8,8 @@ from mpl_toolkits.mplot3d import Axes3D, proj3d
 from cutpoint.arrays import Array
 from cutpoint.reporting.style import INK, LINK, WIDTH
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies.chain import Chain, chain_of
 from cutpoint.studies.paper.arm_view import draw_arm, draw_legend, view
+from cutpoint.studies.paper.chain import Chain, chain_of
 from cutpoint.studies.paper.printed import GOAL, LENGTHS
 
 Label = tuple[int, float, float]

@@ -8,10 +8,10 @@ from cutpoint.reporting.page import Page, Picture, Table, number, row
 from cutpoint.reporting.style import FAINT, INK, LINK, MOTOR, WIDTH
 from cutpoint.reporting.style import JOINTS as COLOURS
 from cutpoint.robots import xia2019_mechanism
-from cutpoint.studies import lagrange, newton_euler
-from cutpoint.studies.chain import chain_of
+from cutpoint.studies.paper import lagrange, newton_euler
 from cutpoint.studies.paper.bench import Bench
 from cutpoint.studies.paper.candidates import AS_PRINTED, LENGTHS, candidates
+from cutpoint.studies.paper.chain import chain_of
 from cutpoint.studies.paper.panels import six_panels
 from cutpoint.studies.paper.printed import DURATION, JOINTS, TABLE_3, TABLE_3_LARGEST
 

@@ -9,7 +9,7 @@ are complex steps, and so exact: q is moved by i h with h so small that h^2 vani
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.studies.chain import Chain, Numbers, places
+from cutpoint.studies.paper.chain import Chain, Numbers, places
 
 _STEP = 1e-30
 

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.studies.chain import Chain, Places, places
+from cutpoint.studies.paper.chain import Chain, Places, places
 
 
 @dataclass(frozen=True, eq=False)
