@@ -18,7 +18,7 @@ import cutpoint
 from cutpoint import Backlash, Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
-from cutpoint.identification import Recording
+from cutpoint.identification import Recording, identify_drives
 from cutpoint.identification.output import Identification, estimates, identify, saving, steps
 from cutpoint.identification.output.drive_pictures import amplitudes
 from cutpoint.identification.output.terminal import table_of
@@ -208,6 +208,22 @@ def test_ctrl_c_while_springs_are_sought_keeps_the_links(files: Path, tmp_path: 
     found = identify(files / "arm.urdf", log, drives=files / "sprung.yaml", friction="stated")
     assert found.drives is None and found.rigid["coulomb.elbow"].told
     assert "springs were not identified: Ctrl-C was pressed during the search" in found.notes
+
+
+def test_ctrl_c_keeps_the_springs_found_so_far():
+    first, second = TRUTH.joints
+
+    def pressed(joint: str) -> None:
+        if joint == second:
+            raise KeyboardInterrupt
+
+    drive = Drive(100.0, Rotor(4e-5), LinearSpring(5e3), motor_friction=LAW)
+    robot = Robot(TRUTH.mechanism, dict.fromkeys(TRUTH.joints, drive))
+    found = identify_drives(robot, Recording(TIME, TRUTH.joints, **wound()), say=pressed)
+    assert found.joints[first].drive.compliance.stiffness == pytest.approx(7e3, rel=0.01)
+    assert found.robot.drives == {first: found.joints[first].drive, second: drive}
+    kept = f"{second}: its spring was not identified and stays as it was: Ctrl-C was pressed during the search"
+    assert kept in found.notes
 
 
 def test_progress_counts_every_step_on_stderr_and_leaves_nothing(files: Path, monkeypatch: pytest.MonkeyPatch):

@@ -24,6 +24,8 @@ from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
 
+INTERRUPTED = "Ctrl-C was pressed during the search"
+
 LONGEST_DELAY = 0.1
 """s, of torques; a longer one is in ms."""
 
@@ -90,7 +92,7 @@ def identify_drives(
     resolution: of both encoders together, rad at the joint's side, one or one for each joint; by default from the
     samples, see `encoder_steps`.
     torque_delay: s by which torque or current acts later than its time stamp: half a period for held commands.
-    say: called with each joint's name when its turn comes.
+    say: called with each joint's name when its turn comes.  Ctrl-C ends the search, and keeps what was found.
 
     The links' motion gives each joint's torque, which calibrates its spring; spring torques then give the rotors; and
     motor torques, less those of rotors and motor friction, reach frequencies that differentiated link encoders do not:
@@ -116,14 +118,18 @@ def identify_drives(
     channels = _channels(robot, recording, cutoff, torque_delay)
     found: dict[str, DriveEstimate] = {}
     failed: dict[str, str] = {}
-    for name in joints_that_bend(robot):
-        say(name)
+    sought = joints_that_bend(robot)
+    for name in sought:
         k = names.index(name)
         try:
+            say(name)
             estimate = drive_of(channels[k], robot.drives[name], float(steps[k]), cutoff / NARROWER)
             robot = robot.with_drives({name: estimate.drive})
         except CutpointError as error:  # a failure of one joint does not affect the others
             failed[name] = re.sub(r"^(two_encoders|motor_side): ", "", str(error))
+        except KeyboardInterrupt:
+            failed |= dict.fromkeys(sought[sought.index(name) :], INTERRUPTED)
+            break
         else:
             found[name] = estimate
     return DriveEstimates(robot, found, failed)

@@ -8,7 +8,12 @@ from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
 from cutpoint.identification.drives.encoder_gains import gain_notes
-from cutpoint.identification.drives.identify_drives import DriveEstimates, identify_drives, joints_that_bend
+from cutpoint.identification.drives.identify_drives import (
+    INTERRUPTED,
+    DriveEstimates,
+    identify_drives,
+    joints_that_bend,
+)
 from cutpoint.identification.drives.torque_delay import delay_notes
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
@@ -65,7 +70,7 @@ def estimates(
             rigid.robot, stamped, resolution, torque_delay, lambda joint: say(f"spring of {joint}")
         )
     except (CutpointError, KeyboardInterrupt) as error:  # the links' estimates are useful without springs
-        why = error if isinstance(error, CutpointError) else "Ctrl-C was pressed during the search"
+        why = error if isinstance(error, CutpointError) else INTERRUPTED
         return Estimates(rigid, None, doubts=gains, notes=(f"springs were not identified: {why}",))
     found = drives.joints.items()
     doubts = (*gains, *drives.doubts, *_late(drives, torque_delay))

@@ -79,7 +79,8 @@ def identify(
     align: whether the links' encoders are aligned with the motors' clock first, see `aligned`.
     source: the file of a robot given as an object, with joints locked for example: `save` rewrites it.
     xacro: arguments of the robot's .xacro file, as for `load`.
-    progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves those out.
+    progress: whether to show a progress bar on stderr.  Ctrl-C during the search for springs leaves out those
+    that are not found yet.
 
     Raises:
         ModelError, InputError: an error in a file or an argument, files that do not match, or a log named twice.
