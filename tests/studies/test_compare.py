@@ -53,6 +53,12 @@ def test_laws_are_as_stiff_as_the_pd_within_a_hundredth(results):
     np.testing.assert_allclose(pd, law.kp, rtol=1e-6)
 
 
+def test_what_is_matched_of_super_twisting_is_its_linear_part(tmp_path: Path):
+    found = run(tmp_path, laws=("twisting",), scenarios=("nominal",), progress=False)["comparison"]["laws"]
+    law = found["twisting"]
+    assert law["runs"] and law["refused"] == "" and law["share"] == pytest.approx(1, abs=0.01)
+
+
 def test_the_worst_of_a_scenario_is_the_largest_of_its_runs(results):
     scenarios = results["comparison"]["scenarios"]
     assert scenarios.keys() == {"nominal", "friction", "fast"}

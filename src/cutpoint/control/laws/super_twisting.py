@@ -21,8 +21,6 @@ class SuperTwisting(RigidLaw):
     root_gain: k_1, N m (s/rad)^(1/2).  twist: k_2, N m/s: bound on the rate of the model's torque error.
     """
 
-    jumps_at_rest = True
-
     position_gain: Any
     speed_gain: Any
     root_gain: Any
@@ -31,6 +29,11 @@ class SuperTwisting(RigidLaw):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._keep_gains("position_gain", "speed_gain", "root_gain", "twist", size=self.size)
+
+    @property
+    def jumps_at_rest(self) -> bool:
+        """Not without k_1 and k_2: what is left is linear."""
+        return bool(np.any(self.root_gain) or np.any(self.twist))
 
     def start(self) -> Any:
         """w, N m."""
