@@ -84,9 +84,17 @@ def test_a_rotor_is_not_more_than_the_link_that_is_said_to_hold_it():
     beside = replace(held, rotor=Rotor(0.5, in_link_inertia=False, transverse=0.5, coupling="full"))
     arms = [Robot(Mechanism("two", tuple(bodies), {}), {"j1": drive}) for drive in (held, beside)]
     for call in (lambda arm: simulate(arm, duration=0.01), lambda arm: arm.modes(np.zeros(2))):
-        with pytest.raises(ModelError, match=r"'j0' can move with negative inertia: .* in_link_inertia: false"):
+        with pytest.raises(ModelError, match=r"'j0' can move with no inertia .* in_link_inertia: false"):
             call(arms[0])
         call(arms[1])
+
+
+def test_a_rotor_that_spins_freely_is_all_that_its_carrier_has():
+    """It is no part of the carrier's inertia, so of that nothing is missing: there is none."""
+    rotor = Rotor(1e-4, in_link_inertia=False, mass=0.1, transverse=1e-4, coupling="full")
+    arm = Robot(turns(Z, Z, tip=STONE), {"turn1": Drive(50.0, rotor, LinearSpring(1e4))}, backend="numpy")
+    with pytest.raises(ModelError, match=r"'turn1' can move against each other with no inertia .* beside rotors"):
+        arm.elastic_forward_dynamics(np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2), np.zeros(2))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -70,8 +70,9 @@ def _complaint(idle: list[str], follow: bool) -> str:
     if follow:
         remedy = "give a moving link inertia (<inertial>) or a drive a rotor (armature), or lock a joint"
         return f"{which} without moving any inertia, so that no force determines how fast; {remedy}"
-    found = "with negative inertia: a link has less than the rotors with full coupling that it is said to include"
-    return f"{which} {found}; state in_link_inertia: false for their drives, or correct the link's <inertial>"
+    found = "with no inertia or a negative one: nothing is left of a link's beside rotors with full coupling"
+    remedy = "state in_link_inertia: false for drives whose rotors it leaves out, or correct the link's <inertial>"
+    return f"{which} {found}; {remedy}"
 
 
 def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generator", follow: bool) -> list[str]:
