@@ -286,6 +286,14 @@ def test_a_margin_holds_down_to_one_and_fails_below(factor: float):
     assert len(found.drives["spin"].failures) == (not found.holds)
 
 
+def test_no_peaks_beyond_the_momentary_peak_torque_are_permitted():
+    within, beyond = (Ratings(repeated_peak_torque=4.0, momentary_peak_torque=x) for x in (7.0, 5.0))
+    assert "times in all" in " ".join(sentences(sizing(brake(ratings=within), Polynomial(1.0, 2.0))))
+    found = sizing(brake(ratings=beyond), Polynomial(1.0, 2.0))
+    assert found.drives["spin"].permitted_peaks is None
+    assert "times in all" not in " ".join(sentences(found))
+
+
 def test_what_is_not_stated_is_said_to_be_missing_and_not_assumed():
     bare = spin(brake(), Polynomial(1.0, 2.0))
     assert bare.verdict == "unrated" and bare.margins == () and bare.tightest is None and bare.life is None

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
 from cutpoint.studies.sizing import duty
@@ -18,7 +20,7 @@ class DriveSizing:
     slides: on a prismatic joint, where torques are forces, N.  margins: to every limit that is stated.  missing: names
     of the ratings that are not.  life: h, None where the ratings that it needs are missing, infinite for a drive that
     does not turn.  permitted_peaks: how often the longest stay above the repeated peak torque may occur; None if there
-    is no such stay, or that rating is missing.
+    is no such stay, it exceeds the momentary peak torque, or the first rating is missing.
     """
 
     joint: str
@@ -71,7 +73,9 @@ def _life(drive: Drive, demand: Demand) -> float | None:
 
 
 def _peaks(drive: Drive, load: Load, k: int) -> float | None:
-    allowed = drive.ratings.repeated_peak_torque if drive.ratings else None
-    if allowed is None:
+    rated, torque = drive.ratings, load.output_torque[:, k]
+    if rated is None or rated.repeated_peak_torque is None:
         return None
-    return duty.permitted_peaks(durations(load.time), load.output_torque[:, k], load.motor_speed[:, k], allowed)
+    if rated.momentary_peak_torque is not None and np.abs(torque).max() > rated.momentary_peak_torque:
+        return None  # the rule is for peaks up to that
+    return duty.permitted_peaks(durations(load.time), torque, load.motor_speed[:, k], rated.repeated_peak_torque)
