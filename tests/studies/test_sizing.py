@@ -286,6 +286,13 @@ def test_a_margin_holds_down_to_one_and_fails_below(factor: float):
     assert len(found.drives["spin"].failures) == (not found.holds)
 
 
+def test_a_margin_that_fails_is_never_told_as_one():
+    found = sizing(brake(ratings=Ratings(average_torque=6.0 - 1e-3)), Polynomial(1.0, 2.0))
+    assert not found.holds
+    assert "margin < 1." in " ".join(sentences(found))
+    assert "margin < 1: average torque" in {text.get_text() for text in found.plot().findobj(Text)}
+
+
 def test_no_peaks_beyond_the_momentary_peak_torque_are_permitted():
     within, beyond = (Ratings(repeated_peak_torque=4.0, momentary_peak_torque=x) for x in (7.0, 5.0))
     assert "times in all" in " ".join(sentences(sizing(brake(ratings=within), Polynomial(1.0, 2.0))))

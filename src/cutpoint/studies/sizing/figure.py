@@ -16,6 +16,7 @@ from cutpoint.model.units import RPM
 from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
 from cutpoint.studies.sizing.drive_sizing import DriveSizing
 from cutpoint.studies.sizing.load import Load
+from cutpoint.studies.sizing.margins import told
 
 PANEL = (3.6, 3.1)
 """Inches of one panel."""
@@ -157,9 +158,9 @@ def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
 
 def _title(axes: Axes, drive: DriveSizing) -> None:
     tightest = drive.tightest
-    told = "no limit stated" if tightest is None else f"margin {min(tightest.value, 999):.2f}: {tightest.limit}"
+    least = "no limit stated" if tightest is None else f"margin {told(tightest)}: {tightest.limit}"
     name = axes.set_title(drive.joint, parse_math=False, weight="bold", fontsize=11)
-    margin = axes.set_title(told, loc="right", fontsize=9.5, color=FORCE if drive.failures else INK)
+    margin = axes.set_title(least, loc="right", fontsize=9.5, color=FORCE if drive.failures else INK)
     fit(name, TITLE_WIDTH)
     if width_of(name) + width_of(margin) > TITLE_WIDTH - TITLE_GAP:
         name.set_text(f"{drive.joint}\n")

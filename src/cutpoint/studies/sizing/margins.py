@@ -38,6 +38,14 @@ class Margin:
         return self.value >= 1 - ROUNDING
 
 
+def told(margin: Margin) -> str:
+    """Its value in words for a table or a picture, which never round to 1.00 one that fails."""
+    words = f"{margin.value:.2f}"
+    if words == "1.00" and not margin.holds:
+        return "< 1"
+    return "> 100" if margin.value > 100 else words
+
+
 def margins_of(
     drive: Drive, demand: Demand, limits: Limits, travel: tuple[float, float], slides: bool
 ) -> tuple[list[Margin], list[str]]:

@@ -10,7 +10,7 @@ from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.model.units import RPM
 from cutpoint.studies.sizing.demand import Peak
 from cutpoint.studies.sizing.drive_sizing import DriveSizing
-from cutpoint.studies.sizing.margins import Margin
+from cutpoint.studies.sizing.margins import Margin, told
 from cutpoint.studies.sizing.sizing import Sizing
 
 _COLUMNS = (
@@ -48,11 +48,11 @@ def sentences(found: Sizing) -> Iterator[str]:
 
 
 def _rated(found: Sizing, joint: str, margin: Margin) -> Iterator[str]:
-    yield f"Tightest is {joint} by its {margin.limit}: {_told(margin)}, margin {_margin(margin.value)}."
+    yield f"Tightest is {joint} by its {margin.limit}: {_asked(margin)}, margin {told(margin)}."
     for name, drive in found.drives.items():
         for failed in drive.failures:
             if failed is not margin:
-                yield f"{name} fails by its {failed.limit}, too: {_told(failed)}, margin {_margin(failed.value)}."
+                yield f"{name} fails by its {failed.limit}, too: {_asked(failed)}, margin {told(failed)}."
         if drive.permitted_peaks is not None and np.isfinite(drive.permitted_peaks):
             often = _number(drive.permitted_peaks)
             yield f"{name} bears so long a stay above its repeated peak torque {often} times in all, for emergencies."
@@ -80,7 +80,7 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
         _of(asked.mean_motor_speed, found, "average speed", 1 / RPM),
         "-" if asked.current is None else _of(asked.current, found, "motor current"),
         "-" if found.life is None else _hours(found.life),
-        "-" if tightest is None else _margin(tightest.value),
+        "-" if tightest is None else told(tightest),
         "-" if tightest is None else tightest.limit,
         found.verdict,
     )
@@ -93,18 +93,18 @@ def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0
     return f"{_number(value * factor)} of {allowed}"
 
 
-def _told(margin: Margin) -> str:
+def _asked(margin: Margin) -> str:
     """Demand and limit, and when and where."""
     is_speed = margin.limit.startswith(("average speed", "maximum speed"))
     factor, unit = (1 / RPM, "rpm") if is_speed else (1.0, margin.unit)
     if margin.limit == "life":
         return f"{_hours(margin.allowed)} h, and {_hours(margin.demanded)} h are asked"
-    told = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"
+    asked = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"
     if margin.at is None:
-        return f"{told} over the cycle"
+        return f"{asked} over the cycle"
     where = ", ".join(f"{x:.3g}" for x in margin.at.position)
-    told += " from the middle of its range" * (margin.limit == "joint travel")
-    return f"{told} at {margin.at.time:.3f} s (q = {where})"
+    asked += " from the middle of its range" * (margin.limit == "joint travel")
+    return f"{asked} at {margin.at.time:.3f} s (q = {where})"
 
 
 def _number(x: float) -> str:
@@ -113,7 +113,3 @@ def _number(x: float) -> str:
 
 def _hours(x: float) -> str:
     return "> 10^6" if x > 1e6 else f"{x:.0f}"
-
-
-def _margin(x: float) -> str:
-    return "> 100" if x > 100 else f"{x:.2f}"
