@@ -465,6 +465,19 @@ def test_a_joints_name_and_its_margin_do_not_cover_each_other_however_long(tmp_p
         assert name.x1 < axes.bbox.x1 + 0.1 * figure.dpi
 
 
+@pytest.mark.parametrize("share", [0.2, 0.8])
+def test_what_names_a_zone_does_not_cover_the_average_and_nothing_covers_it(share: float):
+    asked = spin(brake(), Polynomial(1.0, 2.0)).demand
+    rated = Ratings(average_torque=asked.average_torque * 0.97, average_speed=asked.mean_motor_speed / share)
+    figure = sizing(brake(ratings=rated), Polynomial(1.0, 2.0)).plot()
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    (name,) = (text for text in axes.texts if text.get_text().startswith("average"))
+    mark = next(line for line in axes.lines if line.get_label() == "gear, average")
+    assert not name.get_window_extent().overlaps(mark.get_window_extent())
+    assert name.zorder > max(line.zorder for line in axes.lines)
+
+
 def test_every_mark_stands_within_its_panel_also_where_the_drive_only_brakes():
     lowered = cycloid(start=np.radians([0, 60, 60, 0, 0, 0]), end=np.radians([0, 0, 0, 90, 60, 90]), duration=1.0)
     found = sizing(rated_arm(average_torque=5.0, repeated_peak_torque=10.0), lowered)

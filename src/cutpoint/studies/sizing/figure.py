@@ -126,23 +126,25 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
             edge = FORCE if broken & {torque, speed} else FAINT
             look = {**SAMPLES[zoned], "edgecolor": edge}
             axes.add_patch(Rectangle((0, -high), wide, 2 * high, **look, label=zoned, zorder=0.5))
-            _label(axes, f"{torque.removesuffix(' torque')} {high:.4g}", (wide, high), (-3, 3), "right", edge)
+            # on the half of the edge that the average does not come near
+            at, by, side = (0.0, 4, "left") if drive.demand.mean_motor_speed / RPM > wide / 2 else (wide, -3, "right")
+            _label(axes, f"{torque.removesuffix(' torque')} {high:.4g}", (at, high), (by, 3), side, edge)
     momentary = _allowed(drive, "momentary peak torque")
     if momentary < axes.get_ylim()[1]:
         axes.axhline(momentary, color=FAINT, lw=1, ls=":")
-        _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, -11), "left", FAINT)
+        _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, 3), "left", FAINT)
     rated = drive.drive.ratings
     if rated and rated.rated_torque is not None and rated.rated_speed is not None:
         speed = rated.rated_speed / RPM
         if speed < right and rated.rated_torque < axes.get_ylim()[1]:
-            axes.plot(speed, rated.rated_torque, **SAMPLES[RATED], label=RATED)
+            axes.plot(speed, rated.rated_torque, **SAMPLES[RATED], label=RATED, zorder=6)
 
 
 def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], side: str, colour: str) -> None:
     ink = INK if colour == FAINT else colour
-    # readable where a curve runs behind it
-    words = axes.annotate(text, at, offset, textcoords="offset points", ha=side, fontsize=8.5, color=ink)
-    words.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.8)])
+    # readable where curves and rings run behind it
+    words = axes.annotate(text, at, offset, textcoords="offset points", ha=side, fontsize=8.5, color=ink, zorder=7)
+    words.set_path_effects([withStroke(linewidth=3, foreground="white")])
 
 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
