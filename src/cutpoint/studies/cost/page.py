@@ -46,7 +46,8 @@ def _growth(costs: Mapping[str, Cost]) -> Table:
         rows.append((contender.name, _leading(cost), *cells, str(max(cost.batched))))
     caption = (
         "Growth: the lowest polynomial in n that tells the operations to 1 %, and exponents fitted over n ≥ 4, of "
-        "times to the least of each n. Exponents stay below the degree where lower powers still weigh."
+        "times to the least of each n. With few joints a lower degree than the formulation's may tell them; exponents "
+        "stay below the degree where lower powers still weigh."
     )
     return Table("Table C1", caption, columns, tuple(rows))
 
