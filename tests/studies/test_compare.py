@@ -109,7 +109,9 @@ def test_a_law_that_does_not_hold_is_told_and_runs_elsewhere_and_is_not_ranked(s
     assert law["bandwidth"] < 7.5 and law["share"] < 0.99
     fast = results["comparison"]["scenarios"]["fast"]
     assert fast["laws"]["computed"]["worst"]["rms"] < fast["laws"]["pd"]["worst"]["rms"] and fast["best"] == "pd"
-    assert "computed torque is refused at equal stiffness" in (folder / "index.html").read_text(encoding="utf-8")
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "computed torque is refused at equal stiffness" in page
+    assert page.count("; * does not hold at equal stiffness") == 4  # beside each table
 
 
 def test_what_an_interruption_leaves_is_written_and_marked(tmp_path, monkeypatch):

@@ -205,7 +205,7 @@ def small_signal(robot: Robot, law: Control, q: ArrayLike, period: float) -> Sma
     stiffness_i = -(du_i/dq_i + du_i/dtheta_i), damping_i the same of speeds, while the law's memory stands still.  The
     law is differenced as in `slowest_pole`; one that jumps at rest has no slope.
     """
-    robot, q, law = _checked("small_signal", robot, law, q)
+    robot, q, law = _checked("compare", robot, law, q)
     rest = LawAtRest(robot, law, _linear(robot, q).point, period)
     n = len(robot.drives)
     together = np.vstack([np.eye(2 * n)] * 2)  # of link and motor, positions and then speeds

@@ -36,7 +36,7 @@ def tuning_table(results: Results) -> Table:
     caption = (
         "Laws at the stiffness of the PD, critically damped: sides with encoders, and the model in it; bandwidth that "
         "`tune` is asked for; stiffness and damping beside the PD's, geometric mean over the joints, and from the "
-        "least joint to the most; a step's time, one call from Python on one core."
+        "least joint to the most; a step's time, one call from Python on one core" + _marks(results) + "."
     )
     columns = ("", "needs", "Hz", "stiffness", "joints", "damping", "joints", "ns")
     return Table("Table K1", caption, columns, tuple(rows))
@@ -75,9 +75,16 @@ def _halves(
     ran = [scenario for scenario in SCENARIOS if scenario.key in results.outcomes]
     first = [scenario for scenario in ran if scenario.key in MODEL_SIDE]
     second = [scenario for scenario in ran if scenario.key not in MODEL_SIDE]
-    mark = (f"; {BEST} is the best at equal stiffness" if marked else "") + "; ∞: of how many runs how many diverged"
+    mark = (f"; {BEST} is the best at equal stiffness" if marked else "") + _marks(results)
+    mark += "; ∞: of how many runs how many diverged"
     notes = zip(labels, (first, second), strict=True)
     return tuple(_table(results, label, f"{what}{mark}.", half, of, marked) for label, half in notes if half)
+
+
+def _marks(results: Results) -> str:
+    """The end of a caption, if names of laws are marked."""
+    is_marked = not all(match.equal for match in results.matches.values())
+    return f"; {UNEQUAL} does not hold at equal stiffness" if is_marked else ""
 
 
 def _table(results: Results, label: str, caption: str, scenarios: Sequence[Scenario], of: Any, marked: bool) -> Table:
