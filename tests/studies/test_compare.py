@@ -19,6 +19,7 @@ from cutpoint.studies.compare import bench_of, panda, run
 from cutpoint.studies.compare.contenders import CONTENDERS
 from cutpoint.studies.compare.findings import findings
 from cutpoint.studies.compare.matching import Match
+from cutpoint.studies.compare.page import pages_of
 from cutpoint.studies.compare.results import Results
 from cutpoint.studies.compare.runs import Outcome, Score
 from cutpoint.studies.compare.tables import refusals
@@ -206,6 +207,15 @@ def test_laws_at_another_stiffness_are_not_ranked_in_what_is_said():
     assert "multiply the error of PID by 3.00, the most" in told
     told = findings(found(pd=(9.0, 9.0), feedforward_other=(3.0, 3.0), vdc=(1.0, 3.0), vdc_filter=(2.0, 3.0)))
     assert not any("of the error of PD + feedforward" in sentence for sentence in told)
+
+
+def test_what_laws_leave_out_of_drives_with_a_past_is_told():
+    drives = {
+        name: replace(drive, hysteresis=cutpoint.MaxwellSlip((1e3,), (1e-4,))) for name, drive in ARM.drives.items()
+    }
+    for arm, times in ((ARM, 0), (ARM.with_drives(drives), 1)):
+        _, errors, _ = pages_of(bench_of(arm), found(pd=(10.0, 20.0)), 1)
+        assert sum("Laws leave out what drives remember" in str(block) for block in errors.blocks) == times
 
 
 @pytest.mark.parametrize(("name", "frame"), [("panda", "panda_hand_tcp"), ("xia2019", "tool"), ("ur10", "tool0")])

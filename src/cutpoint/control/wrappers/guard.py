@@ -29,9 +29,10 @@ class Fault(IntEnum):
     """The first fault found; the log's channel `fault` holds its number.
 
     MEASUREMENT: a number that the law needs is not finite; the law then reads the last that was.  STALE: the time stamp
-    stands still.  DEADLINE: a measurement comes half a period late or later.  SPEED: a joint's limit is passed by
-    either encoder.  POSITION: it is by the link's or, where that says nothing, by the motor's.  COMMAND: what the law
-    commands is not finite.  MEMORY: the guard's is none that began with `start`, such as zeros in a C program.
+    stands still; DEADLINE follows once it goes on.  DEADLINE: a measurement comes half a period late or later.  SPEED:
+    a joint's limit is passed by either encoder.  POSITION: it is by the link's or, where that says nothing, by the
+    motor's.  COMMAND: what the law commands is not finite.  MEMORY: the guard's is none that began with `start`, such
+    as zeros in a C program.
     """
 
     NONE = 0
