@@ -286,6 +286,17 @@ def test_a_margin_holds_down_to_one_and_fails_below(factor: float):
     assert len(found.drives["spin"].failures) == (not found.holds)
 
 
+@pytest.mark.parametrize(("effort", "told"), [(3.0, False), (10.0, True), (30.0, False)])
+def test_a_drive_that_fails_only_as_its_motor_follows_the_kinematic_error_is_told(effort: float, told: bool):
+    """2 rad/s against 3 N m s/rad are 6 N m; waves of 2e-4 rad, 320 rad/s fast, accelerate 0.64 kg m2 by 13 N m."""
+    waves = cutpoint.KinematicError((Harmonic(2, 2e-4),))
+    drive = {"rotor": cutpoint.Rotor(1e-4), "compliance": cutpoint.LinearSpring(1e6), "kinematic_error": waves}
+    found = sizing(brake(limits=Limits(effort=effort), **drive), Polynomial(1.0, 2.0))
+    words = " ".join(sentences(found))
+    assert ("spin would hold if its motor did not follow the gear's kinematic error: margin 1.67," in words) == told
+    assert [*found.smooth] == ["spin"] * (effort < 19.0) == [*found.results()["without_kinematic_error"]]
+
+
 def test_a_margin_that_fails_is_never_told_as_one():
     found = sizing(brake(ratings=Ratings(average_torque=6.0 - 1e-3)), Polynomial(1.0, 2.0))
     assert not found.holds

@@ -28,13 +28,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sizing:
-    """All drives against one cycle, a motion of `duration` s and a pause of `dwell` s; load: its samples."""
+    """All drives against one cycle, a motion of `duration` s and a pause of `dwell` s; load: its samples.
+
+    smooth: drives that fail, if their motors did not follow the gears' kinematic errors; of those that have one.
+    """
 
     robot: str
     duration: float
     dwell: float
     drives: Mapping[str, DriveSizing]
     load: Load
+    smooth: Mapping[str, DriveSizing]
 
     @property
     def holds(self) -> bool:
@@ -73,6 +77,7 @@ class Sizing:
             "cycle": {"duration": self.duration, "dwell": self.dwell, "samples": len(self.load.time)},
             "holds": self.holds,
             "drives": {joint: _drive_results(found) for joint, found in self.drives.items()},
+            "without_kinematic_error": {joint: _drive_results(found) for joint, found in self.smooth.items()},
         }
         return json_values(results)
 
@@ -98,11 +103,18 @@ def sizing(
         InputError: a trajectory of another size, in degrees by mistake, a floating base, a time that is not positive.
     """
     _check(robot, trajectory, dwell, period, life)
-    load = sampled(_without_play(robot), trajectory, period, dwell)
+    tight = _without_play(robot)
+    load = sampled(tight, trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
         check_configuration(robot.mechanism, extreme.tolist())
     found = {joint: drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
-    return Sizing(robot.name, trajectory.duration, dwell, found, load)
+    rough = [joint for joint, x in found.items() if x.failures and x.drive.kinematic_error is not None]
+    smooth: dict[str, DriveSizing] = {}
+    if rough:
+        bare = tight.with_drives({joint: replace(tight.drives[joint], kinematic_error=None) for joint in rough})
+        without = sampled(bare, trajectory, period, dwell)
+        smooth = {joint: drive_sizing(bare, joint, robot.joints.index(joint), without, life) for joint in rough}
+    return Sizing(robot.name, trajectory.duration, dwell, found, load, smooth)
 
 
 def _without_play(robot: Robot) -> Robot:

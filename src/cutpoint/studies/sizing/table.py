@@ -53,6 +53,10 @@ def _rated(found: Sizing, joint: str, margin: Margin) -> Iterator[str]:
         for failed in drive.failures:
             if failed is not margin:
                 yield f"{name} fails by its {failed.limit}, too: {_asked(failed)}, margin {told(failed)}."
+        smooth = found.smooth.get(name)
+        if smooth and smooth.tightest and not smooth.failures:
+            least = f"margin {told(smooth.tightest)}, {smooth.tightest.limit}"
+            yield f"{name} would hold if its motor did not follow the gear's kinematic error: {least}."
         if drive.permitted_peaks is not None and np.isfinite(drive.permitted_peaks):
             often = _number(drive.permitted_peaks)
             yield f"{name} bears so long a stay above its repeated peak torque {often} times in all, for emergencies."
