@@ -29,6 +29,10 @@ LINKS = {
         "link 'arm': <mass> value 'nan' must be a finite number (arm.urdf:3)",
     ),
     "mass too large": (link("arm", "1e999"), "link 'arm': <mass> value '1e999' must be a finite number (arm.urdf:3)"),
+    "mass of many digits": (
+        link("arm", "9" * 1000),
+        f"link 'arm': <mass> value '{'9' * 200}' must be a finite number (arm.urdf:3)",
+    ),
     "number with ornaments": (
         link("arm", "1_0"),
         "link 'arm': <mass> value '1_0' must be a finite number (arm.urdf:3)",

@@ -98,4 +98,4 @@ class Reader:
 
     def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:
         expanded = "; it is for xacro to compute: give the file the ending .xacro" if "$" in text else ""
-        return self.error(f"<{self.element.tag}> {attribute} {text!r} must be {rule}{expanded}")
+        return self.error(f"<{self.element.tag}> {attribute} {text[:200]!r} must be {rule}{expanded}")
