@@ -77,7 +77,8 @@ def slowest_pole(
     differenced about rest.  Of friction both include the viscous part; not dry friction, whose slope at rest is that of
     its smoothing, nor kinematic error, ripple and cogging, whose slopes change within each wave.  Laws that jump at
     rest have no slope: `SuperTwisting` is refused, and to one's own such law the result does not apply.  Memory counts
-    where motion changes it and the command depends on it; clocks and latched faults do not.
+    where motion changes it and the command depends on it; clocks and latched faults do not.  `Backlash` counts as its
+    slope at rest: limit cycles across the play are not seen.
 
     The law's reference is chosen so that it carries the robot's load there.
     control_period: s, from one step of the law to the next; no shorter than a motor's delay.

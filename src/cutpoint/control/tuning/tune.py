@@ -72,6 +72,7 @@ def tune(
     a damping of 0.5, see `learning_rates`.  ElasticComputedTorque has two poles there, and two at the spring's
     resonance, or as near as the control period allows, for undamped springs.  options go to the law.
     sensors: their delay and differenced speeds count in the stability check, not in the gains; perfect if not given.
+    The check is of small motions about q: across the play of `Backlash` a law may still swing.  Simulate it.
 
     Warns:
         FragileWarning: the law holds the robot at q, but a loop amplifies disturbances more than ten times: a torque
