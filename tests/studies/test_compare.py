@@ -209,13 +209,13 @@ def test_laws_at_another_stiffness_are_not_ranked_in_what_is_said():
     assert not any("of the error of PD + feedforward" in sentence for sentence in told)
 
 
-def test_what_laws_leave_out_of_drives_with_a_past_is_told():
+def test_it_is_told_which_laws_follow_what_drives_remember():
     drives = {
         name: replace(drive, hysteresis=cutpoint.MaxwellSlip((1e3,), (1e-4,))) for name, drive in ARM.drives.items()
     }
     for arm, times in ((ARM, 0), (ARM.with_drives(drives), 1)):
         _, errors, _ = pages_of(bench_of(arm), found(pd=(10.0, 20.0)), 1)
-        assert sum("Laws leave out what drives remember" in str(block) for block in errors.blocks) == times
+        assert sum("of the laws only the feedforward follows them" in str(block) for block in errors.blocks) == times
 
 
 @pytest.mark.parametrize(("name", "frame"), [("panda", "panda_hand_tcp"), ("xia2019", "tool"), ("ur10", "tool0")])

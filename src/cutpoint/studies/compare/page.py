@@ -42,7 +42,9 @@ def _tuning(bench: Bench, results: Results) -> Page:
 def _errors(bench: Bench, results: Results, seeds: int) -> Page:
     stood = f"The robot is {bench.robot.name}. {_move(bench)} {_scenarios(results, seeds)}"
     if bench.robot.strain_names:
-        stood += " Laws leave out what drives remember, hysteresis and bristles, which the plant has from the first on."
+        stood += (
+            " The plant has hysteresis or bristles throughout; of the laws only the feedforward follows them."
+        )
     heat = (
         "Worst RMS error of the links, 10^{−3} degrees, by law and scenario; shaded by how many times the best of the "
         f"column, which is bold; {figures.WORST:g} times or a run that diverged (∞) is darkest. Virtual decomposition "
