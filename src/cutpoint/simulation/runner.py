@@ -157,8 +157,8 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 
 def run_samples(program: Program, memory: dict[str, Array], first: int, ticks: int, substeps: int | None = None) -> int:
     """Runs these samples; without substeps, the program does not integrate."""
-    rows = {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
-    regions = {name: (memory | rows)[name] for name in program.plan.names}
+    there = memory | {name: memory[name][first : first + ticks] for name in ("row", "noise", "record")}
+    regions = {name: there[name] for name in program.plan.names}
     return program.run({"ticks": ticks} if substeps is None else {"ticks": ticks, "substeps": substeps}, **regions)
 
 

@@ -42,9 +42,7 @@ def _tuning(bench: Bench, results: Results) -> Page:
 def _errors(bench: Bench, results: Results, seeds: int) -> Page:
     stood = f"The robot is {bench.robot.name}. {_move(bench)} {_scenarios(results, seeds)}"
     if bench.robot.strain_names:
-        stood += (
-            " The plant has hysteresis or bristles throughout; of the laws only the feedforward follows them."
-        )
+        stood += " The plant has hysteresis or bristles throughout; of the laws only the feedforward follows them."
     heat = (
         "Worst RMS error of the links, 10^{−3} degrees, by law and scenario; shaded by how many times the best of the "
         f"column, which is bold; {figures.WORST:g} times or a run that diverged (∞) is darkest. Virtual decomposition "
