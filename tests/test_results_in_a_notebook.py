@@ -49,6 +49,6 @@ def test_limits_in_force_are_the_tighter_of_joint_and_drive() -> None:
 def test_margins_are_a_line_for_each_joint() -> None:
     found = margins(ARM, tune(ARM, 4.0), np.zeros(6), 1e-3)
     head, *rows = repr(found).splitlines()
-    assert head.split("  ")[0] == "joint" and "delay, ms" in head
+    assert head.split()[0] == "joint" and "delay, ms" in head
     numbers = np.array([[float(x) for x in row.split()[1:]] for row in rows])
-    np.testing.assert_allclose(numbers, np.array(found).T * [1, 1, 1, 1e3, 1], rtol=5e-3)
+    np.testing.assert_allclose(numbers, np.array(found[:5]).T * [1, 1, 1, 1e3, 1], rtol=5e-3)

@@ -137,5 +137,5 @@ def test_vdc_has_margins_too() -> None:
     found = margins(arm, tune(arm, 4.0, VDC), arm.neutral(), PERIOD)
     assert isinstance(found, Margins) and all(x.shape == (6,) for x in found[:-1])
     assert found.joints == tuple(arm.joints)
-    assert [line.split()[0] for line in repr(found).splitlines()] == ["gain", *arm.joints]
+    assert [line.split()[0] for line in repr(found).splitlines()] == ["joint", *arm.joints]
     assert (found.gain > 1).all() and (found.least_gain < 1).all() and (found.sensitivity >= 1).all()

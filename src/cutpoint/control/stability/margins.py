@@ -64,12 +64,13 @@ class Margins(NamedTuple):
     def __repr__(self) -> str:
         """A line for each joint."""
         rows = zip(self.gain, self.least_gain, self.phase, 1e3 * self.delay, self.sensitivity, strict=True)
-        heads, width = ("gain", "least gain", "phase, deg", "delay, ms", "sensitivity"), max(map(len, self.joints))
+        heads = ("gain", "least gain", "phase, deg", "delay, ms", "sensitivity")
+        width = max(map(len, ("joint", *self.joints)))
         lines = [
             f"{joint:{width}} " + "".join(f"{x:>13.3g}" for x in row)
             for joint, row in zip(self.joints, rows, strict=True)
         ]
-        return "\n".join([" " * (width + 1) + "".join(f"{head:>13}" for head in heads), *lines])
+        return "\n".join([f"{'joint':{width}} " + "".join(f"{head:>13}" for head in heads), *lines])
 
 
 def margins(
