@@ -11,6 +11,8 @@ BIN := $(VENV)/bin
 PYTHONS := $(or $(PYTHON),python3 python3.13 python3.12 python3.11 python)
 SUITS := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
+# pip compiles what it installs, but not what is editable
+COMPILE := $(BIN)/python -m compileall -q src
 
 .PHONY: demo test bench
 
@@ -40,14 +42,17 @@ $(VENV)/made:
 $(VENV)/installed: $(VENV)/made pyproject.toml
 	@echo "installing cutpoint and what it needs into $(VENV)"
 	@$(INSTALL) .
+	@$(COMPILE)
 	@touch $@
 
 $(VENV)/installed-for-tests: $(VENV)/made pyproject.toml
 	@echo "installing cutpoint and what its tests need into $(VENV)"
 	@$(INSTALL) ".[test]"
+	@$(COMPILE)
 	@touch $(VENV)/installed $@
 
 $(VENV)/installed-for-bench: $(VENV)/made pyproject.toml
 	@echo "installing cutpoint and its peers into $(VENV)"
 	@$(INSTALL) ".[bench]"
+	@$(COMPILE)
 	@touch $(VENV)/installed $@
