@@ -66,6 +66,8 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
     assert f"{np.abs(fine.motor_torque).max(axis=0)[1]:.4g} N m" in told
     fastest = np.degrees(np.abs(smooth.derivatives(np.linspace(0.0, 1.0, 1001), 1)[1]).max())
     assert f"{fastest:.4g} deg/s" in told
+    slower = printed("torque", "xia2019", "move.csv", "--duration", "2")  # twice as long as in the file
+    assert f"{fastest / 2:.4g} deg/s" in slower
     with pytest.raises(
         InputError, match=r"--period 1e-09 s: this gives 1e\+09 samples, at most 1e\+06 are allowed: lengthen it"
     ):
@@ -82,9 +84,13 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
         ),
         (
             ["--q", "0,0,0,0,0,0", "--output", "torques.csv"],
-            "--output, --plot and --smoothing apply only to a CSV file",
+            "--output, --plot, --smoothing and --duration apply only to a CSV file",
         ),
-        (["--q", "0,0,0,0,0,0", "--smoothing", "5"], "--output, --plot and --smoothing apply only to a CSV file"),
+        (["--q", "0,0,0,0,0,0", "--duration", "5"], "--smoothing and --duration apply only to a CSV file"),
+        (
+            ["--q", "0,0,0,0,0,0", "--smoothing", "5"],
+            "--output, --plot, --smoothing and --duration apply only to a CSV file",
+        ),
     ],
 )
 def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:

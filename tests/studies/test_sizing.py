@@ -20,9 +20,9 @@ from cutpoint.mechanics.drives.motor import shaft_torque, within_limits
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import UNLIMITED, Joint, JointKind, Link
 from cutpoint.robots import XIA2019_DRIVES, XIA2019_URDF
-from cutpoint.studies.sizing import Sizing, duty, sizing
+from cutpoint.studies.sizing import Sizing, duty, fastest, sizing
 from cutpoint.studies.sizing.table import sentences
-from cutpoint.trajectories import Trajectory, cycloid
+from cutpoint.trajectories import Trajectory, cycloid, retimed
 from robot_library import assert_close, robot
 
 VISCOUS, RATIO = 3.0, -80.0
@@ -363,6 +363,43 @@ def test_wrong_times_are_refused(given: dict[str, float], told: str):
         sizing(brake(), Polynomial(1.0, 2.0), **given)
 
 
+@pytest.mark.parametrize("duration", [0.05, 1.0, 30.0])
+def test_the_fastest_reaches_the_limit_whatever_the_motion_took_before(duration: float):
+    move = cycloid(end=[1.5], duration=duration)  # its peak speed is 2 * 1.5 rad / duration
+    by_speed = fastest(brake(limits=Limits(velocity=2.0)), move, dwell=0.4)
+    assert by_speed.duration == pytest.approx(2 * 1.5 / 2.0, rel=1e-3)
+    assert (by_speed.holds, by_speed.dwell) == (True, 0.4)
+    by_torque = fastest(brake(ratings=Ratings(repeated_peak_torque=10.0)), move)  # of friction alone
+    assert by_torque.duration == pytest.approx(2 * 1.5 / (10.0 / VISCOUS), rel=1e-3)
+
+
+@pytest.mark.parametrize("life", [None, 20_000.0])
+def test_in_less_than_the_shortest_time_an_arm_breaks_a_limit(life: float | None):
+    arm = rated_arm(average_torque=49.0, repeated_peak_torque=82.0, rated_torque=40.0)
+    found = fastest(arm, PAPER_MOTION, life=life)
+    assert found.holds and found.tightest is not None and found.tightest[1].value < 1.01
+    assert not sizing(arm, retimed(PAPER_MOTION, found.duration * 0.998), life=life).holds
+
+
+@pytest.mark.parametrize(
+    ("drive", "told"),
+    [
+        ({}, r"no limit is stated: give drives ratings"),
+        (
+            {"ratings": Ratings(average_torque=1e9)},
+            r"even in 0.00781 s every stated limit holds; the tightest: 'spin' .* state what limits the drives' speed",
+        ),
+        (
+            {"limits": Limits(lower=-1.0, upper=1.0)},
+            r"even in 128 s 'spin' needs 1.5 rad of 1 rad, joint travel; a slower motion does not help",
+        ),
+    ],
+)
+def test_where_no_time_is_the_shortest_it_is_said_why(drive: dict[str, Any], told: str):
+    with pytest.raises(InputError, match=told):
+        fastest(brake(**drive), cycloid(end=[1.5], duration=1.0))
+
+
 def test_motions_that_are_not_of_the_robot_are_refused():
     with pytest.raises(InputError, match=r"trajectory has 2 joints, but the robot has 1 drives"):
         sizing(brake(), cycloid(end=[1.0, 2.0], duration=1.0))
@@ -498,6 +535,18 @@ def test_every_mark_stands_within_its_panel_also_where_the_drive_only_brakes():
             (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
             assert left <= x <= right and low <= y <= high
     assert {"joint2", "joint3"} <= {name for name, drive in found.drives.items() if drive.failures}
+
+
+def test_the_command_finds_the_shortest_time_and_checks_it(tmp_path: Path):
+    drives, target = tmp_path / "arm.drives.yaml", tmp_path / "numbers.json"
+    arm = rated_arm(average_torque=49.0, repeated_peak_torque=82.0)
+    cutpoint.formats.save_drives(drives, arm.drives)
+    found = fastest(arm, PAPER_MOTION)
+    command = [str(XIA2019_URDF), "--drives", str(drives), *MOTION[:3], "--fastest", "--json", str(target)]
+    told = checked(*command, status=0)
+    assert json.loads(target.read_text())["cycle"]["duration"] == pytest.approx(found.duration, rel=1e-12)
+    assert f"{found.duration:.4g} s is the shortest time: in less a limit would be broken." in told
+    assert "what drives do in a motion of 2.5 s" in checked(*command[:3], *MOTION[:3], "--duration", "2.5", status=0)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cutpoint.errors import InputError
-from cutpoint.trajectories import Trajectory, cycloid, from_samples, quintic, septic, waypoints
+from cutpoint.trajectories import Trajectory, cycloid, from_samples, quintic, retimed, septic, waypoints
 
 START = [0.2, 0.3, -0.7]
 END = [1.5, -0.4, -0.7]
@@ -24,6 +24,7 @@ KINDS: dict[str, Trajectory] = {
     "samples in motion": from_samples(
         SAMPLED, START + np.sin(3.0 * SAMPLED)[:, None] * np.subtract(END, START), at_rest=False
     ),
+    "retimed": retimed(quintic(END, 0.7 * DURATION, start=START), DURATION),
 }
 kinds = pytest.mark.parametrize("trajectory", KINDS.values(), ids=KINDS.keys())
 
@@ -130,3 +131,23 @@ def test_positions_that_no_machine_has_are_refused_and_time_is_not_blamed(far: f
     ):
         with pytest.raises(InputError, match=rf"{told} .* must be finite and within 1e\+15"):
             make()
+
+
+@kinds
+@pytest.mark.parametrize("duration", [0.3, DURATION, 40.0])
+def test_in_another_time_it_goes_the_same_way(trajectory: Trajectory, duration: float):
+    slower, share = duration / DURATION, np.linspace(0.0, 1.0, 33)
+    found = retimed(trajectory, duration).derivatives(share * duration, 4)
+    expected = trajectory.derivatives(share * DURATION, 5)
+    # a time that is rounded moves a derivative by the next one; each derivative of a spline multiplies rounding itself
+    steepest = 14.0 / getattr(trajectory, "unit", DURATION)
+    rounding = 1e-14 * (DURATION * np.abs(expected[1:]).max(axis=(1, 2)) + steepest ** np.arange(5.0))
+    wrong = np.abs(found * slower ** np.arange(5.0)[:, None, None] - expected[:5])
+    assert (wrong.max(axis=(1, 2)) <= rounding).all()
+
+
+def test_only_a_motion_can_be_retimed_and_only_to_a_time_that_is_one():
+    with pytest.raises(InputError, match=r"retimed: trajectory must be a trajectory: one of cutpoint.trajectories"):
+        retimed(START, 1.0)  # pyright: ignore[reportArgumentType]
+    with pytest.raises(InputError, match=r"retimed: duration 0.0 s must be positive"):
+        retimed(KINDS["cycloid"], 0.0)

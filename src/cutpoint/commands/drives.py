@@ -9,6 +9,7 @@ from rich.console import Console
 from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
+    Duration,
     Smoothing,
     above_zero,
     app,
@@ -31,13 +32,16 @@ def check(
         Path | None, typer.Argument(metavar="TRAJECTORY", help="CSV file of one cycle: time and joint positions.")
     ] = None,
     to: Annotated[str, typer.Option(help="Without a file: final positions of a cycloid, as in simulate.")] = "",
-    duration: Annotated[float | None, typer.Option(callback=above_zero, help="Duration of the cycloid, s.")] = None,
+    duration: Duration = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
     smoothing: Smoothing = None,
     dwell: Annotated[float, typer.Option(min=0.0, help="Pause at the last position after the motion, s.")] = 0.0,
     period: Annotated[float, typer.Option(callback=above_zero, help="Longest time between samples, s.")] = 1e-3,
     life: Annotated[float | None, typer.Option(callback=above_zero, help="Required life of the gears, hours.")] = None,
+    shortest: Annotated[
+        bool, typer.Option("--fastest", metavar="", help="In the shortest time in which every stated limit holds.")
+    ] = False,
     json: Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Save all numbers: .json.")] = None,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Save the torque-speed planes: .png, .pdf or .svg.")
@@ -47,14 +51,16 @@ def check(
 
     Exit status: 0 if every stated limit holds, 3 if any margin is below 1, 1 on invalid input.
     """
-    from cutpoint.studies.sizing import sizing
+    from cutpoint.studies.sizing import fastest, sizing
     from cutpoint.studies.sizing.table import sentences, table_of
 
     check_targets(None, plot)
     check_target("json", json, (".json",))
     loaded = robot.load(degrees=degrees)
+    if shortest and trajectory is None:
+        duration = duration or 1.0
     cycle = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
-    found = sizing(loaded, cycle, dwell=dwell, period=period, life=life)
+    found = (fastest if shortest else sizing)(loaded, cycle, dwell=dwell, period=period, life=life)
     if json:
         found.save(json)
         say_path("numbers saved", json)
@@ -63,6 +69,8 @@ def check(
     print_table(table_of(found), console)
     for sentence in sentences(found):
         console.print(sentence, highlight=False)
+    if shortest:
+        console.print(f"{found.duration:.4g} s is the shortest time: in less a limit would be broken.", highlight=False)
     if not found.holds:
         raise typer.Exit(3)
 

@@ -11,9 +11,9 @@ from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Guarded, 
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
+    Duration,
     Json,
     Smoothing,
-    above_zero,
     app,
     check_target,
     check_targets,
@@ -77,7 +77,7 @@ def simulate(
     to: Annotated[
         str, typer.Option(help="Without a file: final positions of a cycloid, rad (m), in the order of inspect.")
     ] = "",
-    duration: Annotated[float | None, typer.Option(callback=above_zero, help="Duration of the cycloid, s.")] = None,
+    duration: Duration = None,
     start: Annotated[str, typer.Option("--from", help="Initial positions of the cycloid; default zero.")] = "",
     degrees: Degrees = False,
     law: Law = "PD",

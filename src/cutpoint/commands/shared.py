@@ -82,6 +82,10 @@ Smoothing = Annotated[
         help="Bandwidth to smooth a file's positions to, Hz; default 10, or what samples allow.",
     ),
 ]
+Duration = Annotated[
+    float | None,
+    typer.Option("--duration", callback=above_zero, help="Duration, s: of the cycloid, or to run a file's motion in."),
+]
 Json = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Save the numbers by joint or mode, in SI units: .json.")
 ]
@@ -123,18 +127,16 @@ def motion_of(
     duration: float | None,
     degrees: bool,
 ) -> "cutpoint.trajectories.Trajectory":
-    """The motion of a file, or a cycloid between two ends."""
+    """The motion of a file, or a cycloid between two ends; in the duration that is asked for."""
     start, end = ends
     if file is not None:
-        if start or end or duration is not None or degrees:
-            rule = (
-                "leave out --to, --from, --duration and --degrees; its first line names the units, and --lock is in rad"
-            )
+        if start or end or degrees:
+            rule = "leave out --to, --from and --degrees; its first line names the units, and --lock is in rad"
             raise InputError(f"trajectory {str(file)!r} is already a motion: {rule}", path=file)
         sliding = robot.mechanism.sliding
         smoothed = cutpoint.trajectories.from_csv(file, robot.joints, bandwidth=smoothing, sliding=sliding)
         console.print(str(smoothed), soft_wrap=True, highlight=False)
-        return smoothed
+        return smoothed if duration is None else cutpoint.trajectories.retimed(smoothed, duration)
     if smoothing is not None:
         raise InputError("--smoothing applies only to the positions of a CSV file TRAJECTORY: leave it out")
     if not end or duration is None:

@@ -56,6 +56,9 @@ def torque(
     a: Annotated[str, typer.Option(help="Accelerations there, rad/s2; default zero.")] = "",
     degrees: Degrees = False,
     smoothing: Smoothing = None,
+    duration: Annotated[
+        float | None, typer.Option(callback=above_zero, help="Run a file's motion in this time, s.")
+    ] = None,
     period: Annotated[
         float, typer.Option(callback=above_zero, help="Time between samples along a file's motion, s.")
     ] = 1e-3,
@@ -77,7 +80,7 @@ def torque(
             raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
         if json:
             raise InputError("torque: --json applies only to --q; save a motion's torques by --output")
-        motion = motion_of(loaded, trajectory, smoothing, ("", ""), None, degrees)
+        motion = motion_of(loaded, trajectory, smoothing, ("", ""), duration, degrees)
         if output or plot:
             keep(torques_along(loaded, motion, period), output, plot)
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST_SAMPLES))
@@ -85,8 +88,9 @@ def torque(
         return say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
     if q is None:
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
-    if output or plot or smoothing is not None:
-        raise InputError("torque: --output, --plot and --smoothing apply only to a CSV file TRAJECTORY: leave them out")
+    if output or plot or smoothing is not None or duration is not None:
+        options = "--output, --plot, --smoothing and --duration"
+        raise InputError(f"torque: {options} apply only to a CSV file TRAJECTORY: leave them out")
     position = positions_of(loaded, "q", q, degrees)
     speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())

@@ -103,18 +103,22 @@ def sizing(
         InputError: a trajectory of another size, in degrees by mistake, a floating base, a time that is not positive.
     """
     _check(robot, trajectory, dwell, period, life)
-    tight = _without_play(robot)
-    load = sampled(tight, trajectory, period, dwell)
+    found = as_driven(robot, trajectory, dwell, period, life)
+    rough = [joint for joint, x in found.drives.items() if x.failures and x.drive.kinematic_error is not None]
+    if not rough:
+        return found
+    ideal = {joint: replace(robot.drives[joint], kinematic_error=None) for joint in rough}
+    without = as_driven(robot.with_drives(ideal), trajectory, dwell, period, life)
+    return replace(found, smooth={joint: without.drives[joint] for joint in rough})
+
+
+def as_driven(robot: Robot, trajectory: Moves, dwell: float, period: float, life: float | None) -> Sizing:
+    """`sizing` of checked arguments, but for what drives would be if they were smooth."""
+    load = sampled(_without_play(robot), trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
         check_configuration(robot.mechanism, extreme.tolist())
     found = {joint: drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
-    rough = [joint for joint, x in found.items() if x.failures and x.drive.kinematic_error is not None]
-    smooth: dict[str, DriveSizing] = {}
-    if rough:
-        bare = tight.with_drives({joint: replace(tight.drives[joint], kinematic_error=None) for joint in rough})
-        without = sampled(bare, trajectory, period, dwell)
-        smooth = {joint: drive_sizing(bare, joint, robot.joints.index(joint), without, life) for joint in rough}
-    return Sizing(robot.name, trajectory.duration, dwell, found, load, smooth)
+    return Sizing(robot.name, trajectory.duration, dwell, found, load, smooth={})
 
 
 def _without_play(robot: Robot) -> Robot:

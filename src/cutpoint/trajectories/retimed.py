@@ -1,0 +1,43 @@
+"""A motion in another time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cutpoint.arrays import Array
+from cutpoint.door import check_kind, positive
+from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Retimed(Trajectory):
+    """q(t) = motion(t motion.duration / duration)."""
+
+    motion: Moves
+
+    @property
+    def size(self) -> int:
+        return self.motion.size
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names that the motion has; empty if it has none."""
+        return tuple(getattr(self.motion, "joints", ()))
+
+    def _inside(self, t: Array, order: int) -> Array:
+        speed = np.float64(self.motion.duration) / self.duration
+        found = np.array(self.motion.derivatives(np.minimum(t * speed, self.motion.duration), order))
+        powers = speed ** np.arange(order + 1)  # may be infinite
+        return found * powers.reshape(-1, *[1] * t.ndim, 1)
+
+
+def retimed(trajectory: Moves, duration: float) -> Retimed:
+    """The same path in `duration` s, uniformly slower or faster: the k-th derivative grows as 1 / duration^k.
+
+    For first runs of a motion at a share of its speed: `retimed(motion, motion.duration / 0.2)` is at 20 %.
+
+    Raises:
+        InputError: no trajectory, or a duration that is not positive.
+    """
+    check_kind("retimed", "trajectory", trajectory, Moves, A_TRAJECTORY)
+    return Retimed(positive("retimed", "duration", duration, "s"), trajectory)
