@@ -11,6 +11,7 @@ from cutpoint.callers import warn
 from cutpoint.door import check_kind, path_of
 from cutpoint.errors import InputError, listed, those_that_exist
 from cutpoint.files import replacing
+from cutpoint.formats.degrees import warn_of_degrees
 from cutpoint.formats.drives.drive_sheet import DriveSheet, FileSheet
 from cutpoint.formats.drives.entry import to_drive
 from cutpoint.formats.drives.section import Section
@@ -18,10 +19,8 @@ from cutpoint.formats.drives.unlikely_units import UnitsWarning, doubts_of, doub
 from cutpoint.formats.drives.words import to_entry
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_yaml import MAXIMUM_BYTES, parse_yaml
-from cutpoint.formats.urdf.urdf import DegreesWarning
 from cutpoint.model.drive import Drive
 from cutpoint.model.drive_validation import DRIVES, check_drive
-from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import DRIVEN_KINDS, Joint, Mechanism
 
 VERSION = 1
@@ -78,19 +77,11 @@ def parse_drives(
         doubted = doubts_of_sliding if section.slides else doubts_of
         for words, path in doubted(own, section, drives[name].ratio):
             doubts.setdefault(f"{words} ({section.place(path)})", []).append(name)
-    turning = [name for name in drives if joints[name].kind != "prismatic"]
-    degrees = [name for name in turning if look_like_degrees(drives[name].limits)]
-    _warn_of_units(doubts, degrees, place)
+    for words, names in doubts.items():
+        warn(f"drive of {listed(names)}: {words}", UnitsWarning)
+    turning = {name: drive.limits for name, drive in drives.items() if joints[name].kind != "prismatic"}
+    warn_of_degrees(turning, "a drive file's angles are radians", place)
     return drives
-
-
-def _warn_of_units(doubts: Mapping[str, Collection[str]], degrees: Collection[str], place: str) -> None:
-    """doubts: joints by what looks wrong in their drives; degrees: joints whose limits look like those."""
-    for words, joints in doubts.items():
-        warn(f"drive of {listed(joints)}: {words}", UnitsWarning)
-    if degrees:
-        text = f"limits of joints {listed(degrees)} look like degrees; a drive file's angles are radians"
-        warn(f"{text} ({place})", DegreesWarning)
 
 
 def dump_drives(drives: Mapping[str, Drive]) -> str:

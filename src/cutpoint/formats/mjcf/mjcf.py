@@ -19,6 +19,7 @@ from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError
+from cutpoint.formats.degrees import warn_of_degrees
 from cutpoint.formats.mjcf.includes import include_files
 from cutpoint.formats.mjcf.losses import losses
 from cutpoint.formats.mjcf.meshes import MeshFile, mesh_files, read_meshes
@@ -38,7 +39,6 @@ from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.reading import read_bytes
 from cutpoint.formats.safe_xml import Element, parse_xml
-from cutpoint.formats.urdf.urdf import warn_of_degrees
 from cutpoint.model.build import build
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.model.mechanism import Joint, JointKind, Limits, Link, Mechanism
@@ -122,7 +122,8 @@ def _robot(
     whole = build(name, tree.links, tree.joints, gravity=fall, lock=lock, place=Places(place))
     mechanism = replace(whole, frames={name: frame for name, frame in whole.frames.items() if name not in tree.unnamed})
     drives, lost = _drives(mechanism, tree.armature, place), losses(model, excerpt.left_out)
-    warn_of_degrees(tree.joints, "the file's compiler takes angles as radians", place)
+    turning = {joint.name: joint.limits for joint in tree.joints if joint.kind == "revolute"}
+    warn_of_degrees(turning, "the file's compiler takes angles as radians", place)
     if lost:
         warn(NotCarriedOver(lost, place))
     if tree.renamed:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from cutpoint.callers import warn
 from cutpoint.door import check_choice, check_kind, check_truths, path_of
 from cutpoint.errors import InputError, ModelError, listed
+from cutpoint.formats.degrees import warn_of_degrees
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.reading import parse_number, read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
@@ -24,7 +25,6 @@ from cutpoint.formats.slips import meant
 from cutpoint.formats.urdf.elements import Reader
 from cutpoint.formats.urdf.xacro_expansion import expand
 from cutpoint.model.build import build
-from cutpoint.model.limits import look_like_degrees
 from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic
 from cutpoint.model.places import Places
 
@@ -55,10 +55,6 @@ X_AXIS = (1.0, 0.0, 0.0)
 
 class MimicWarning(UserWarning):
     """A file has mimic joints, which were read as independent coordinates."""
-
-
-class DegreesWarning(UserWarning):
-    """A file's joint limits look like degrees."""
 
 
 def load_urdf(
@@ -280,12 +276,5 @@ def _warn(joints: Sequence[Joint], names: Collection[str], coupled: bool, place:
         lost = [joint.name for joint in joints if joint.mimic and joint.mimic.joint not in names]
         more = f", but the file has no movable leader for {listed(lost)}" if lost else ""
         warn(f"{text}{more} ({place})", MimicWarning)
-    warn_of_degrees(joints, "URDF angles are radians", place)
-
-
-def warn_of_degrees(joints: Sequence[Joint], rule: str, place: str) -> None:
-    """Warns once for the file, at the line that loads the robot.  rule: the unit of its angles."""
-    degrees = [joint.name for joint in joints if joint.kind == "revolute" and look_like_degrees(joint.limits)]
-    if degrees:
-        text = f"limits of joints {listed(degrees)} look like degrees; {rule} ({place})"
-        warn(text, DegreesWarning)
+    turning = {joint.name: joint.limits for joint in joints if joint.kind == "revolute"}
+    warn_of_degrees(turning, "URDF angles are radians", place)
