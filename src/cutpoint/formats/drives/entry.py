@@ -139,8 +139,7 @@ def _motor(sheet: MotorSheet, section: Section) -> Motor:
 
 def _harmonics(sheet: WaveSheet, path: tuple[str, ...], section: Section) -> tuple[Harmonic, ...]:
     """The first wave and the further ones."""
-    own = sheet.model_dump()
-    rows = [(path, (own["order"], own["amplitude"], own["phase"]))]
+    rows = [(path, (sheet.order, sheet.amplitude, sheet.phase))]
     rows += [((*path, "harmonics"), tuple(row)) for row in sheet.harmonics]
     found = []
     for at, (order, amplitude, phase) in rows:

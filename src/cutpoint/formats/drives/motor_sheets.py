@@ -33,16 +33,12 @@ class RippleSheet(WaveSheet):
     """Waves of the torque over the rotor's turn, in proportion to it."""
 
     amplitude: float = quantity("1", "1", "share of the torque", ge=0, lt=1)
-    order: float = quantity("1", "1", "waves for each turn of the rotor, a whole number", ge=1)
-    phase: float = quantity("rad", "rad", "of the wave where the joint's coordinate is zero", 0.0)
 
 
 class CoggingSheet(WaveSheet):
     """Waves of torque over the rotor's turn without any current."""
 
     amplitude: float = quantity("N m", "N m", "at the motor's shaft", ge=0)
-    order: float = quantity("1", "1", "waves for each turn of the rotor, a whole number", ge=1)
-    phase: float = quantity("rad", "rad", "of the wave where the joint's coordinate is zero", 0.0)
 
 
 class MotorSheet(Sheet):

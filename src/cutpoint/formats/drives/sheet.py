@@ -28,6 +28,9 @@ Wave = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class WaveSheet(Sheet):
-    """A wave over the rotor's turn, and further ones."""
+    """A wave over the rotor's turn, and further ones; each kind of wave states the unit of its amplitude."""
 
+    amplitude: float
+    order: float = quantity("1", "1", "waves for each turn of the rotor, a whole number", ge=1)
+    phase: float = quantity("rad", "rad", "of the wave where the joint's coordinate is zero", 0.0)
     harmonics: list[Wave] = Field([], description="further waves, each [order, amplitude, phase]")

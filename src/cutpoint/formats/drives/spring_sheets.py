@@ -71,4 +71,3 @@ class KinematicErrorSheet(WaveSheet):
 
     amplitude: float = quantity("rad", "m", "half of the catalogue's transmission accuracy, at the joint's side", ge=0)
     order: float = quantity("1", "1", "waves for each turn of the wave generator, a whole number", 2.0, ge=1)
-    phase: float = quantity("rad", "rad", "of the wave where the joint's coordinate is zero", 0.0)
