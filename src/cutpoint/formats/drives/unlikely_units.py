@@ -56,6 +56,9 @@ BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
     ("motor", "torque_constant"): (STRONGEST, "mN m/A (1 mN m/A = 1e-3 N m/A), or like the constant at the joint"),
 }
 
+STIFFNESSES: tuple[YamlPath, ...] = tuple(("compliance", law, "stiffness") for law in ("linear", "flexspline"))
+"""Of springs with a stiffness of their own; a drive has at most one."""
+
 
 def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
     """Numbers that look like another unit in the drive of a revolute joint, in words, and their paths in its entry."""
@@ -68,10 +71,10 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
         remedy = "state motor turns per joint turn"
         yield f"{stated} looks like joint turns per motor turn: {remedy}", ("ratio",)
-    spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
-    if spring and geared and spring.stiffness < SOFTEST:
-        path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")
-        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like a number in 10^4 N m/rad", path
+    for path in STIFFNESSES if geared else ():
+        stiffness = _at(sheet, path)
+        if stiffness is not None and stiffness < SOFTEST:
+            yield f"{section.stated(DriveSheet, path, stiffness)} looks like a number in 10^4 N m/rad", path
     curve = sheet.compliance.catalogue if sheet.compliance else None
     if curve and curve.t1 > WIDEST * curve.k1:
         path = ("compliance", "catalogue", "k1")
@@ -91,10 +94,10 @@ def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iter
         lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m per turn"
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
         yield f"{stated} is {lead}: its unit looks different from 2 pi / lead with the lead in m", ("ratio",)
-    spring = sheet.compliance and (sheet.compliance.linear or sheet.compliance.flexspline)
-    if spring and spring.stiffness < SOFTEST_SLIDE:
-        path = ("compliance", "linear" if sheet.compliance and sheet.compliance.linear else "flexspline", "stiffness")
-        yield f"{section.stated(DriveSheet, path, spring.stiffness)} looks like N/mm or N/µm", path
+    for path in STIFFNESSES:
+        stiffness = _at(sheet, path)
+        if stiffness is not None and stiffness < SOFTEST_SLIDE:
+            yield f"{section.stated(DriveSheet, path, stiffness)} looks like N/mm or N/µm", path
 
 
 def _at(sheet: Any, path: YamlPath) -> float | None:
