@@ -57,10 +57,10 @@ def _from_running(gear: CatalogueGear) -> InputFriction:
     if gear.running:
         speed, torque = np.array(gear.running.points).T * [[RPM], [1.0]]
         if dry is None:
-            (dry, slope), _ = nnls(np.column_stack([np.ones_like(speed), speed]), torque)
+            dry, slope = nnls(np.column_stack([np.ones_like(speed), speed]), torque)[0].tolist()
         else:
             slope = max(0.0, float(speed @ (torque - dry) / (speed @ speed)))
-    found = InputFriction(_number(dry), _number(slope))
+    found = InputFriction(dry, slope)
     return replace(found, per_load=_share(gear, found))
 
 
@@ -76,9 +76,4 @@ def _from_efficiency(gear: CatalogueGear) -> InputFriction:
     assert gear.efficiency is not None
     rpm, tau, eta = np.array(gear.efficiency.points).T
     factors = np.column_stack([gear.ratio / tau, gear.ratio * rpm * RPM / tau, np.ones_like(tau)])
-    (dry, slope, per_load), _ = nnls(factors * (eta**2)[:, None], (1 / eta - 1) * eta**2)
-    return InputFriction(float(dry), float(slope), float(per_load))
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
+    return InputFriction(*nnls(factors * (eta**2)[:, None], (1 / eta - 1) * eta**2)[0].tolist())
