@@ -148,14 +148,14 @@ def _lost_beside_the_tree(robot: Element) -> list[str]:
 def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
     """Moving joints whose rotors count in other programs: by armature, or by a transmission's rotor inertia."""
     found = [
-        joint.attributes.get("name", "").strip()
+        _name(joint)
         for joint in robot.all("joint")
         for dynamics in joint.all("dynamics")
         if _is_stated(dynamics, "armature")
     ]
     for transmission in robot.all("transmission"):
         if any(x.tag.endswith("rotor_inertia") and _is_stated(x, "value") for x in transmission.walk()):
-            found += [joint.attributes.get("name", "").strip() for joint in transmission.all("joint")]
+            found += [_name(joint) for joint in transmission.all("joint")]
     lost = [name for name in dict.fromkeys(found) if name in moving]
     return [f"rotor inertia of joints {listed(lost)}: rotor and ratio in a drive file count instead"] if lost else []
 
@@ -209,7 +209,11 @@ def _check_quaternions(robot: Element, place: str) -> None:
 
 def _label(element: Element) -> str:
     """The name of a link or a joint in messages."""
-    return f"{element.tag} {element.attributes.get('name', '').strip()!r}"
+    return f"{element.tag} {_name(element)!r}"
+
+
+def _name(element: Element) -> str:
+    return element.attributes.get("name", "").strip()
 
 
 def _link(element: Element, file: str) -> Link:
