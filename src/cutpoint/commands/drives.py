@@ -13,7 +13,6 @@ from cutpoint.commands.shared import (
     Smoothing,
     above_zero,
     app,
-    check_target,
     check_targets,
     console,
     keep_picture,
@@ -54,8 +53,7 @@ def check(
     from cutpoint.studies.sizing import fastest, sizing
     from cutpoint.studies.sizing.table import sentences, table_of
 
-    check_targets(None, plot)
-    check_target("json", json, (".json",))
+    check_targets(plot=plot, json=json)
     loaded = robot.load(degrees=degrees)
     if shortest and trajectory is None:
         duration = duration or 1.0
@@ -92,7 +90,7 @@ def drive(
         if as_yaml or plot:
             raise InputError("--yaml and --plot need the NAME of a drive; cutpoint drive lists them")
         return print_table(catalogue_table(), console)
-    check_targets(None, plot)
+    check_targets(plot=plot)
     if as_yaml:
         console.print(entry_text(name), soft_wrap=True, highlight=False, end="")
     else:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 import cutpoint
-from cutpoint.commands.shared import OF_A_RUN, app, check_apart, check_target, keep_picture
+from cutpoint.commands.shared import OF_A_RUN, PICTURE, app, check_apart, check_target, keep_picture
 from cutpoint.errors import InputError
 
 
@@ -22,7 +22,7 @@ def plot(
     """Plot saved logs, joint by joint, one or several for comparison.  docs/log-channels.md lists every channel."""
     from cutpoint.simulation.log.plot import picture
 
-    check_target("output", output, (".png", ".pdf", ".svg"))
+    check_target("output", output, PICTURE)
     check_apart("--output", output, logs)
     if twice := next((path for path in logs if logs.count(path) > 1), None):
         raise InputError(f"{str(twice)!r} is named twice; name each log once", path=twice)

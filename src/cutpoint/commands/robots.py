@@ -15,7 +15,6 @@ from cutpoint.commands.shared import (
     Json,
     Smoothing,
     app,
-    check_target,
     check_targets,
     console,
     keep,
@@ -33,7 +32,6 @@ from cutpoint.commands.tables import (
     robot_table,
 )
 from cutpoint.errors import INTERRUPTED, InputError, SimulationError
-from cutpoint.model.limits import check_configuration
 from cutpoint.reporting.fitting import print_table
 
 MANY_SAMPLES = 100_000
@@ -51,7 +49,7 @@ def inspect(
     json: Json = None,
 ) -> None:
     """Show a robot's joints, bodies, limits and drives, and where virtual decomposition cuts it."""
-    check_target("json", json, (".json",))
+    check_targets(json=json)
     loaded = robot.load(floating_base=floating_base)
     if json:
         save_sheet(robot_sheet(loaded), json)
@@ -92,7 +90,7 @@ def simulate(
     ] = None,
 ) -> None:
     """Simulate a robot under a control law, along a file's motion or a rest-to-rest cycloid; report the errors."""
-    check_targets(output, plot)
+    check_targets(output=output, plot=plot)
     loaded = robot.load(degrees=degrees)
     motion = motion_of(loaded, trajectory, smoothing, (start, to), duration, degrees)
     controller = law_of(loaded, law, bandwidth, feedforward, period, guard=guard)
@@ -131,11 +129,9 @@ def modes(
     json: Json = None,
 ) -> None:
     """Resonance frequencies of the drives at rest, and frequency responses of motor and link to a motor's torque."""
-    check_targets(None, plot)
-    check_target("json", json, (".json",))
+    check_targets(plot=plot, json=json)
     loaded = robot.load(degrees=degrees)
     position = positions_of(loaded, "q", q, degrees)
-    check_configuration(loaded.mechanism, position.tolist())
     found = loaded.modes(position, friction=friction)
     if plot:
         keep_picture(found.plot(), plot)

@@ -95,6 +95,9 @@ RungOption = Literal["none", "gravity", "rigid", "rotor", "friction", "elastic"]
 OF_A_RUN = ("q", "position_error", "motor_torque")
 """The most informative channels of a run."""
 
+PICTURE = (".png", ".pdf", ".svg")
+"""Endings of pictures."""
+
 
 def numbers_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -> Any:
     """One number per joint, in SI units.  Raises InputError for a robot with joints of several coordinates."""
@@ -164,10 +167,11 @@ def _listed(option: str, text: str, count: int) -> Any:
     return numbers
 
 
-def check_targets(output: Path | None, plot: Path | None) -> None:
-    """Checks before any computation that output files can be written and have known types."""
+def check_targets(*, output: Path | None = None, plot: Path | None = None, json: Path | None = None) -> None:
+    """Checks before any computation that files can be written and have known types.  output: a log."""
     check_target("output", output, (".npz", ".csv"))
-    check_target("plot", plot, (".png", ".pdf", ".svg"))
+    check_target("plot", plot, PICTURE)
+    check_target("json", json, (".json",))
 
 
 def check_target(option: str, path: Path | None, kinds: tuple[str, ...]) -> None:

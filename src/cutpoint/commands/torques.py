@@ -14,7 +14,6 @@ from cutpoint.commands.shared import (
     Smoothing,
     above_zero,
     app,
-    check_target,
     check_targets,
     console,
     keep,
@@ -71,8 +70,7 @@ def torque(
     json: Json = None,
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
-    check_targets(output, plot)
-    check_target("json", json, (".json",))
+    check_targets(output=output, plot=plot, json=json)
     loaded = robot.load(degrees=degrees)
     if trajectory is not None:
         if q is not None or v or a or degrees:
