@@ -3,11 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from cutpoint.arrays import Array
 from cutpoint.commands.shared import say_path
-from cutpoint.commands.tables import efforts_of
+from cutpoint.commands.tables import carrier_of, speeds_and_efforts
 from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
@@ -32,8 +30,11 @@ def save_sheet(sheet: dict[str, Any], path: Path) -> None:
 def robot_sheet(robot: Robot) -> dict[str, Any]:
     """Bodies by joint, with the limits of their joints, and drives by joint."""
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0].tolist()
-    bodies = robot.mechanism.bodies
-    joints = {body.joint.name: {**_body(robot, body), "mass": mass} for body, mass in zip(bodies, masses, strict=True)}
+    in_force = speeds_and_efforts(robot)
+    joints = {
+        body.joint.name: {**_body(robot, body, *in_force[body.joint.name]), "mass": mass}
+        for body, mass in zip(robot.mechanism.bodies, masses, strict=True)
+    }
     return {
         "robot": robot.name,
         "subsystems": len(robot.subsystems),
@@ -65,20 +66,17 @@ def modes_sheet(robot: Robot, found: "Modes") -> dict[str, Any]:
     return {"robot": robot.name, "friction": found.model.friction, "modes": own, "remark": found.remark or None}
 
 
-def _body(robot: Robot, body: Body) -> dict[str, Any]:
-    """What carries it, and the limits in force, where 0 stands for none; a follower has its leader instead."""
-    joint, bodies = body.joint, robot.mechanism.bodies
-    carrier = bodies[body.parent].name if body.parent >= 0 else "world"
-    told = {"kind": joint.kind, "carries": body.name, "carried_by": carrier}
+def _body(robot: Robot, body: Body, speed: float, effort: float) -> dict[str, Any]:
+    """What carries it, and the limits in force of speed and effort; a follower has its leader instead."""
+    joint = body.joint
+    told = {"kind": joint.kind, "carries": body.name, "carried_by": carrier_of(robot, body)}
     if joint.mimic and robot.mechanism.coupled:
         return {**told, "follows": joint.mimic}
-    in_force = robot.limits.get(joint.name, joint.limits)
-    effort = efforts_of(robot).get(joint.name, in_force.effort)
     return {
         **told,
         "position_limits": [joint.limits.lower, joint.limits.upper],
-        "speed_limit": in_force.velocity or np.inf,
-        "effort_limit": effort or np.inf,
+        "speed_limit": speed,
+        "effort_limit": effort,
     }
 
 

@@ -14,7 +14,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import Joint, Mimic
+from cutpoint.model.mechanism import Body, Joint, Mimic
 from cutpoint.model.units import joint_unit
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
@@ -40,18 +40,27 @@ def robot_table(robot: Robot, console: Console) -> Table:
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
     stacked.columns[-1].no_wrap = True
-    in_force, bodies = robot.limits, robot.mechanism.bodies
-    masses = robot.inertial_parameters.reshape(-1, 10)[:, 0]
-    efforts = efforts_of(robot)
-    for body, mass in zip(bodies, masses, strict=True):
+    masses, in_force = robot.inertial_parameters.reshape(-1, 10)[:, 0], speeds_and_efforts(robot)
+    for body, mass in zip(robot.mechanism.bodies, masses, strict=True):
         joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
         kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
-        carrier = bodies[body.parent].name if body.parent >= 0 else "world"
-        own = in_force.get(joint.name, joint.limits)
-        limits = NO_LIMITS if mimic else _in_words(joint, own.velocity, efforts.get(joint.name, own.effort))
+        carrier = carrier_of(robot, body)
+        limits = NO_LIMITS if mimic else _in_words(joint, *in_force[joint.name])
         wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
         stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
     return wide if natural_width(wide, console) <= console.width else stacked
+
+
+def carrier_of(robot: Robot, body: Body) -> str:
+    """The name of the body that carries this one."""
+    return robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
+
+
+def speeds_and_efforts(robot: Robot) -> dict[str, tuple[float, float]]:
+    """Limits in force by joint; infinite where there is none, which a robot file may state as 0."""
+    stated, efforts = robot.limits, efforts_of(robot)
+    joints = {body.joint.name: stated.get(body.joint.name, body.joint.limits) for body in robot.mechanism.bodies}
+    return {name: (own.velocity or np.inf, efforts.get(name, own.effort) or np.inf) for name, own in joints.items()}
 
 
 def efforts_of(robot: Robot) -> dict[str, float]:
@@ -70,9 +79,8 @@ def _following(mimic: Mimic, kind: str) -> str:
 
 
 def _in_words(joint: Joint, speed: float, effort: float) -> tuple[str, str, str]:
-    """A joint's own position limits, and the limits in force of speed and effort, where 0 stands for none."""
+    """A joint's own position limits, and the limits in force of speed and effort."""
     factor, length, force = (1.0, "m", "N") if joint.kind == "prismatic" else (180 / np.pi, "deg", "N m")
-    speed, effort = speed or np.inf, effort or np.inf
     return (
         _range(joint.limits.lower, joint.limits.upper, factor, length),
         "-" if np.isinf(speed) else f"{speed * factor:.4g} {length}/s",
