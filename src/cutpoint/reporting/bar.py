@@ -1,4 +1,4 @@
-"""A progress bar on stderr for work that takes longer than a user likes to wait."""
+"""Progress bars on stderr for work that takes longer than a user likes to wait."""
 
 import time
 from typing import TYPE_CHECKING
@@ -8,6 +8,14 @@ if TYPE_CHECKING:
 
 SHOWN_AFTER, EVERY = 1.0, 0.1
 """s: before a bar appears, and between its updates."""
+
+
+def progress_bar(*, shown: bool = True) -> "Progress":
+    """A bar that is gone once its work is done."""
+    from rich.console import Console  # slow to import
+    from rich.progress import Progress
+
+    return Progress(console=Console(stderr=True), transient=True, disable=not shown)
 
 
 class Bar:
@@ -25,10 +33,7 @@ class Bar:
             return
         self._next = now + EVERY
         if self._progress is None:
-            from rich.console import Console  # slow to import
-            from rich.progress import Progress
-
-            self._progress = Progress(console=Console(stderr=True), transient=True)
+            self._progress = progress_bar()
             self._progress.start()
             self._task = self._progress.add_task(self._what, total=self._total)
         self._progress.update(self._task, completed=done)

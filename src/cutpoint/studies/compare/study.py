@@ -5,10 +5,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.progress import Progress
 
 from cutpoint.errors import unknown_name
+from cutpoint.reporting.bar import progress_bar
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
 from cutpoint.reporting.style import styled
@@ -55,7 +55,7 @@ def run(
         seeds = min(seeds, QUICK_SEEDS)
         plans = [plan for plan in plans if plan.key != "slow" or scenarios is not None]
     results = Results()
-    with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
+    with styled(), progress_bar(shown=progress) as bar:
         try:
             compare(bench, results, chosen, plans, seeds, bar)
         except KeyboardInterrupt:

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.progress import Progress
 
 from cutpoint.errors import SimulationError
+from cutpoint.reporting.bar import progress_bar
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
 from cutpoint.reporting.page import Page
@@ -54,7 +54,7 @@ def run(output: Path, *, progress: bool = True) -> dict[str, Any]:
         InputError: output is no folder, cannot be written, or holds a report by others.
     """
     output = checked_folder(output, "results.json", "paper")
-    with styled(), Progress(console=Console(stderr=True), disable=not progress, transient=True) as bar:
+    with styled(), progress_bar(shown=progress) as bar:
         pages = _made(bar)
         drawing = bar.add_task("writing the report", total=None)
         results = write(output, _HEADING, pages, _SETTINGS, "results.json", "paper")
