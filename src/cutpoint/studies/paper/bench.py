@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from cutpoint.analysis import LinearModel
 from cutpoint.control import PD, Feedforward
 from cutpoint.control.law import Law
 from cutpoint.errors import SimulationError
@@ -47,6 +48,11 @@ class Bench:
         """The arm with drives that lose some of what swings in them."""
         drives = {name: replace(drive, damping=DAMPING) for name, drive in self.robot.drives.items()}
         return self.robot.with_drives(drives)
+
+    @cached_property
+    def weightless(self) -> LinearModel:
+        """The arm at q = 0 in small motions, without gravity and friction."""
+        return self.robot.with_gravity(np.zeros(3)).linearize(np.zeros(6))
 
     @cached_property
     def reference(self) -> Trajectory:

@@ -10,7 +10,7 @@ from cutpoint.reporting.style import INK, LINK, MOTOR, WIDTH
 from cutpoint.simulation import Log
 from cutpoint.studies.paper.bench import Bench, pd
 from cutpoint.studies.paper.printed import DURATION
-from cutpoint.studies.paper.stability import growth_rates
+from cutpoint.studies.paper.stability import fastest_growth
 
 _SHOWN = 1  # joint 2, which has the largest load
 
@@ -124,8 +124,8 @@ def _figure(bench: Bench, loops: list[Loop]) -> Figure:
         )
         torque.plot(log.time, log["command_torque"][:, _SHOWN], color=colour, lw=0.9)
     scales = np.geomspace(1e-3, 3, 60)
-    growth.plot(scales, growth_rates(bench, "link", scales), color=LINK)
-    growth.plot(scales, growth_rates(bench, "motor", scales), color=MOTOR)
+    growth.plot(scales, [fastest_growth(bench, "link", scale) for scale in scales], color=LINK)
+    growth.plot(scales, [fastest_growth(bench, "motor", scale) for scale in scales], color=MOTOR)
     error.set(title="(a) joint 2: error [deg]", xlabel="time [s]")
     torque.set(title="(b) joint 2: torque [N m]", xlabel="time [s]")
     growth.set(title="(c) fastest growth [1/s]", xlabel="gains, times those of Table 4", xscale="log")
