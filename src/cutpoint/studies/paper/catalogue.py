@@ -152,13 +152,7 @@ def _figure(laws: dict[Size, Flexspline], fits: dict[Size, Flexspline]) -> Figur
             (laws[size], MOTOR, "-", "law (2), shipped"),
             (fits[size], LINK, "--", "law (2), fitted"),
         ):
-            above.plot(
-                torque,
-                departure(law, size, torque) + size.deflection(torque) / ARC_MINUTE,
-                line,
-                color=colour,
-                label=name,
-            )
+            above.plot(torque, law.deflection(torque) / ARC_MINUTE, line, color=colour, label=name)
             below.plot(torque, departure(law, size, torque), line, color=colour)
         for axes in (above, below):
             axes.axvspan(size.T2, 1.5 * size.T2, color=SPRING, alpha=0.08, lw=0)

@@ -29,7 +29,7 @@ _ZOOM = (4.0, 4.06)  # s
 def page(bench: Bench) -> Page:
     log, estimates = bench.elastic, estimated(bench)
     errors = {name: torque - log["joint_torque"] for name, torque in estimates.items()}
-    whole = whole_drive_torque.reading(bench, *whole_drive_torque.COUNTS)
+    whole = whole_drive_torque.reading(bench)
     blocks = (
         "An encoder on either side of the drive shows how far it bends, and law (2) turns that into the torque the "
         "link gets: a torque sensor without a sensor. Below it is read from the loop of Table 4 with all rungs, "
@@ -106,16 +106,13 @@ def _verdict(bench: Bench, errors: dict[str, Array]) -> str:
 def _figure(log: Log, estimates: dict[str, Array], errors: dict[str, Array]) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
     whole, zoom, error = figure.subplots(1, 3)
-    near = (log.time >= _ZOOM[0]) & (log.time <= _ZOOM[1])
-    for axes, samples in ((whole, log.time >= 0), (zoom, near)):
-        time = log.time[samples]
-        if axes is whole:
-            axes.plot(time, estimates[STIFFER][samples, _SHOWN], color=LINK, lw=0.5, alpha=0.8)
-        axes.plot(time, log["joint_torque"][samples, _SHOWN], color=MOTOR, lw=0.6 if axes is whole else 1.6)
-        if axes is zoom:
-            axes.step(time, estimates[COARSE][samples, _SHOWN], color=INK, lw=1.0, where="mid")
-    error.plot(log.time, errors[COARSE][:, _SHOWN], color=INK, lw=0.5)
-    error.plot(log.time, errors[FINE][:, _SHOWN], color=SPRING, lw=0.5)
+    time, true, near = log.time, log["joint_torque"][:, _SHOWN], (log.time >= _ZOOM[0]) & (log.time <= _ZOOM[1])
+    whole.plot(time, estimates[STIFFER][:, _SHOWN], color=LINK, lw=0.5, alpha=0.8)
+    whole.plot(time, true, color=MOTOR, lw=0.6)
+    zoom.plot(time[near], true[near], color=MOTOR, lw=1.6)
+    zoom.step(time[near], estimates[COARSE][near, _SHOWN], color=INK, lw=1.0, where="mid")
+    error.plot(time, errors[COARSE][:, _SHOWN], color=INK, lw=0.5)
+    error.plot(time, errors[FINE][:, _SHOWN], color=SPRING, lw=0.5)
     whole.set(title="(a) torque [N m]", xlabel="time [s]")
     zoom.set(title="(b) the same, 60 ms of it", xlabel="time [s]")
     error.set(title="(c) error [N m]", xlabel="time [s]")

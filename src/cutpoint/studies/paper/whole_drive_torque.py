@@ -40,16 +40,22 @@ class Reading(NamedTuple):
         return np.percentile(np.abs(self.plain), COVERED, axis=0)
 
     @property
+    def left(self) -> Array:
+        """The same of what is left where hysteresis is followed."""
+        return np.percentile(np.abs(self.followed), COVERED, axis=0)
+
+    @property
     def looseness(self) -> Array:
         """How many times larger the bound is than it must be: 1 over the 99.9th percentile of error over bound."""
         return 1 / np.percentile(np.abs(self.plain) / self.bound.total, COVERED, axis=0)
 
 
-def reading(bench: Bench, link_counts: int, motor_counts: int) -> Reading:
+def reading(bench: Bench) -> Reading:
     """The move of section IV on drives with all effects, their torque read through encoders."""
     robot = with_effects(bench.robot, EFFECTS)
     ratio = np.array([abs(drive.ratio) for drive in robot.drives.values()])
-    encoders = Sensors(2 * np.pi / link_counts, 2 * np.pi / motor_counts / ratio)
+    on_link, on_motor = (2 * np.pi / counts for counts in COUNTS)
+    encoders = Sensors(on_link, on_motor / ratio)
     law = pd() + Feedforward(robot, "elastic")
     log = simulate(robot, law, bench.reference, control_period=PERIOD, sensors=encoders)
     theta, q = log["measured_theta"], log["measured_q"]
@@ -66,7 +72,7 @@ def table(found: Reading) -> Table:
     rows += [
         row("bound, all parts", found.bound.total.max(axis=0), 3),
         row("error, 99.9th percentile", found.observed, 3),
-        row("error with hysteresis followed", np.percentile(np.abs(found.followed), COVERED, axis=0), 3),
+        row("error with hysteresis followed", found.left, 3),
         row("samples within the bound, %", 100 * found.covered, 2),
         row("bound over error", found.looseness, 2),
     ]
@@ -82,8 +88,7 @@ def remark(found: Reading) -> str:
     """What limits the reading."""
     limits = found.bound.largest_part
     often = max(set(limits), key=limits.count)
-    followed = np.percentile(np.abs(found.followed), COVERED, axis=0)
-    gains = (found.observed / followed)[found.looseness < LOOSE]
+    gains = (found.observed / found.left)[found.looseness < LOOSE]
     loose = [joint for joint, times in zip(JOINTS, found.looseness, strict=True) if times >= LOOSE]
     hardly = f" The bound adds up worst cases, and is loose on {' and '.join(loose)}, hardly bent." if loose else ""
     return (
@@ -101,7 +106,7 @@ def results(found: Reading) -> dict[str, object]:
         "unit": "N m",
         "bound": found.bound.total.max(axis=0),
         "error_percentile_99.9": found.observed,
-        "error_percentile_99.9_hysteresis_followed": np.percentile(np.abs(found.followed), COVERED, axis=0),
+        "error_percentile_99.9_hysteresis_followed": found.left,
         "samples_within_bound": found.covered,
         "bound_over_error": found.looseness,
     }
