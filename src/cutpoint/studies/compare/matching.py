@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.control.stability.sampled_loop import SmallSignal, small_signal
+from cutpoint.control.stability.sampled_loop import small_signal
 from cutpoint.control.tuning.design import design_of
 from cutpoint.control.tuning.holding import check_holds
 from cutpoint.errors import InputError
@@ -49,9 +49,9 @@ class Match(NamedTuple):
 
 def matched(bench: Bench, contender: Contender) -> Match:
     """The law as stiff as the PD of the bench's bandwidth; or, if it does not hold there, where it next does."""
-    pd = _signal(bench, _made(bench, CONTENDERS[0], bench.bandwidth)).stiffness
+    pd = _at(bench, CONTENDERS[0], bench.bandwidth, np.ones(len(bench.home))).stiffness  # its own share is not used
     try:
-        at = equal_bandwidth(lambda f: _share(bench, contender, f, pd), bench.bandwidth)
+        at = equal_bandwidth(lambda f: _at(bench, contender, f, pd).share, bench.bandwidth)
     except InputError as error:
         empty = np.full(len(pd), np.nan)
         return Match(contender, np.nan, None, empty, empty, np.nan, str(error))
@@ -64,8 +64,7 @@ def matched(bench: Bench, contender: Contender) -> Match:
             return _held(bench, contender, factor * at, pd)._replace(refused=why)
         except InputError:
             continue
-    stiffness, damping = _signal(bench, contender.smooth(_made(bench, contender, at)))
-    return Match(contender, at, None, stiffness, damping, _mean(stiffness / pd), why)
+    return _at(bench, contender, at, pd)._replace(law=None, refused=why)
 
 
 def equal_bandwidth(share: Callable[[float], float], guess: float) -> float:
@@ -88,25 +87,18 @@ def equal_bandwidth(share: Callable[[float], float], guess: float) -> float:
 
 def _held(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Match:
     """Raises InputError if the sampled plant does not hold still under the law, or does not complete its move."""
-    law = _made(bench, contender, bandwidth)
-    smooth = contender.smooth(law)
-    check_holds(bench.robot, smooth, bench.home, bench.control_period)
-    if score(bench, law, as_modelled(bench)) == DIVERGED:
+    found = _at(bench, contender, bandwidth, pd)
+    check_holds(bench.robot, contender.smooth(found.law), bench.home, bench.control_period)
+    if score(bench, found.law, as_modelled(bench)) == DIVERGED:
         raise InputError("it holds at home but diverges during the motion, although the plant is the model")
-    stiffness, damping = _signal(bench, smooth)
+    return found
+
+
+def _at(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> Match:
+    """The law at a bandwidth, Hz, whether it holds there or not."""
+    law = contender.make(design_of(bench.robot, bench.home, 2.0 * np.pi * bandwidth, 1.0, bench.control_period))
+    stiffness, damping = small_signal(bench.robot, contender.smooth(law), bench.home, bench.control_period)
     return Match(contender, bandwidth, law, stiffness, damping, _mean(stiffness / pd))
-
-
-def _made(bench: Bench, contender: Contender, bandwidth: float) -> Any:
-    return contender.make(design_of(bench.robot, bench.home, 2.0 * np.pi * bandwidth, 1.0, bench.control_period))
-
-
-def _signal(bench: Bench, law: Any) -> SmallSignal:
-    return small_signal(bench.robot, law, bench.home, bench.control_period)
-
-
-def _share(bench: Bench, contender: Contender, bandwidth: float, pd: Array) -> float:
-    return _mean(_signal(bench, contender.smooth(_made(bench, contender, bandwidth))).stiffness / pd)
 
 
 def _mean(shares: Array) -> float:
