@@ -50,9 +50,14 @@ class DriveSizing:
         return "fails" if self.failures else "holds"
 
 
-def drive_sizing(robot: Robot, joint: str, k: int, load: Load, life: float | None) -> DriveSizing:
-    """The k-th drive, of a joint.  life: h, as `sizing` is asked for."""
-    drive, limits = robot.drives[joint], robot.limits[joint]
+def allowed(sizing: DriveSizing, limit: str) -> float:
+    """A drive's limit of this name; infinite if it is not stated."""
+    return next((margin.allowed for margin in sizing.margins if margin.limit == limit), np.inf)
+
+
+def drive_sizing(robot: Robot, joint: str, load: Load, life: float | None) -> DriveSizing:
+    """The drive of a joint.  life: h, as `sizing` is asked for."""
+    k, drive, limits = robot.joints.index(joint), robot.drives[joint], robot.limits[joint]
     slides = joint in robot.mechanism.sliding
     travel = travel_of(limits, load.position[:, k])
     demand = demand_of(load, k, travel[0])

@@ -14,7 +14,7 @@ from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.model.units import RPM
 from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
-from cutpoint.studies.sizing.drive_sizing import DriveSizing
+from cutpoint.studies.sizing.drive_sizing import DriveSizing, allowed
 from cutpoint.studies.sizing.load import Load
 from cutpoint.studies.sizing.margins import told
 
@@ -103,9 +103,9 @@ def _panel(axes: Axes, load: Load, drive: DriveSizing, k: int) -> None:
 
 def _window(axes: Axes, drive: DriveSizing, torques: Array, fastest: float) -> None:
     """The visible part of the plane: all of the motion, and the gear's zones."""
-    maximum, peak = _allowed(drive, "maximum speed"), _allowed(drive, "repeated peak torque")
-    highest = max(float(torques.max()), *(x for x in (peak, _allowed(drive, "average torque")) if x < np.inf), 1e-9)
-    momentary = _allowed(drive, "momentary peak torque")
+    maximum, peak = allowed(drive, "maximum speed"), allowed(drive, "repeated peak torque")
+    highest = max(float(torques.max()), *(x for x in (peak, allowed(drive, "average torque")) if x < np.inf), 1e-9)
+    momentary = allowed(drive, "momentary peak torque")
     highest = momentary if highest < momentary <= MOMENTARY_SHOWN * highest else highest
     lowest = min(-0.2 * highest, 1.3 * float(torques.min()))
     axes.set_ylim(lowest, highest + HEADROOM * (highest - lowest))
@@ -121,7 +121,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
         ("repeated peak torque", "maximum speed", STARTS),
         ("average torque", "average speed", AVERAGES),
     ):
-        high, wide = _allowed(drive, torque), min(_allowed(drive, speed) / RPM, right)
+        high, wide = allowed(drive, torque), min(allowed(drive, speed) / RPM, right)
         if high < np.inf:
             edge = FORCE if broken & {torque, speed} else FAINT
             look = {**SAMPLES[zoned], "edgecolor": edge}
@@ -129,7 +129,7 @@ def _zones(axes: Axes, drive: DriveSizing) -> None:
             # on the half of the edge that the average does not come near
             at, by, side = (0.0, 4, "left") if drive.demand.mean_motor_speed / RPM > wide / 2 else (wide, -3, "right")
             _label(axes, f"{torque.removesuffix(' torque')} {high:.4g}", (at, high), (by, 3), side, edge)
-    momentary = _allowed(drive, "momentary peak torque")
+    momentary = allowed(drive, "momentary peak torque")
     if momentary < axes.get_ylim()[1]:
         axes.axhline(momentary, color=FAINT, lw=1, ls=":")
         _label(axes, f"momentary peak {momentary:.4g}", (0, momentary), (4, 3), "left", FAINT)
@@ -150,7 +150,7 @@ def _label(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, 
 def _motor_limit(axes: Axes, drive: DriveSizing) -> None:
     """Driving and braking torque within the motor's current, its voltage and the torque limits, over speed."""
     speeds, (low, high) = np.linspace(0, axes.get_xlim()[1], 4000), axes.get_ylim()
-    bound, at_joint = min(_allowed(drive, "motor torque"), ENDLESS), speeds * RPM / abs(drive.drive.ratio)
+    bound, at_joint = min(allowed(drive, "motor torque"), ENDLESS), speeds * RPM / abs(drive.drive.ratio)
     for sign in (1.0, -1.0):
         pushed = within_limits(drive.drive, np.full_like(speeds, sign * ENDLESS), at_joint)
         curve = np.clip(pushed, -bound, bound)
@@ -175,8 +175,3 @@ def _explain(figure: Figure, across: int) -> None:
     samples = [Patch(**look) if "facecolor" in look else Line2D([], [], **look) for look in shown.values()]
     columns = (1, 2, 4)[across - 1]
     figure.legend(samples, [*shown], loc="outside lower center", ncols=columns, fontsize=10)
-
-
-def _allowed(drive: DriveSizing, limit: str) -> float:
-    """The limit; infinite if not stated."""
-    return next((margin.allowed for margin in drive.margins if margin.limit == limit), np.inf)

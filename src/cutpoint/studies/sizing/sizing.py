@@ -117,7 +117,7 @@ def as_driven(robot: Robot, trajectory: Moves, dwell: float, period: float, life
     load = sampled(_without_play(robot), trajectory, period, dwell)
     for extreme in (load.position.min(axis=0), load.position.max(axis=0)):
         check_configuration(robot.mechanism, extreme.tolist())
-    found = {joint: drive_sizing(robot, joint, k, load, life) for k, joint in enumerate(robot.joints)}
+    found = {joint: drive_sizing(robot, joint, load, life) for joint in robot.joints}
     return Sizing(robot.name, trajectory.duration, dwell, found, load, smooth={})
 
 

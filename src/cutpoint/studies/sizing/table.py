@@ -9,7 +9,7 @@ from rich.table import Table
 from cutpoint.mechanics.drives.backlash import Backlash
 from cutpoint.model.units import RPM
 from cutpoint.studies.sizing.demand import Peak
-from cutpoint.studies.sizing.drive_sizing import DriveSizing
+from cutpoint.studies.sizing.drive_sizing import DriveSizing, allowed
 from cutpoint.studies.sizing.margins import Margin, told
 from cutpoint.studies.sizing.sizing import Sizing
 
@@ -93,8 +93,8 @@ def _row(found: DriveSizing) -> tuple[str, ...]:
 def _of(asked: Peak | float, found: DriveSizing, limit: str, factor: float = 1.0) -> str:
     """`37.8 of 56`; of a dash where the limit is not stated."""
     value = abs(asked.value) if isinstance(asked, Peak) else asked
-    allowed = next((_number(m.allowed * factor) for m in found.margins if m.limit == limit), "-")
-    return f"{_number(value * factor)} of {allowed}"
+    most = allowed(found, limit)
+    return f"{_number(value * factor)} of {_number(most * factor) if most < np.inf else '-'}"
 
 
 def _asked(margin: Margin) -> str:
