@@ -1,8 +1,8 @@
 """Calls timed in turns, so that other work on the machine affects all equally."""
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from timeit import timeit
 
 import numpy as np
 
@@ -24,18 +24,10 @@ def in_turns(calls: Mapping[str, Callable[[], object]], items: int = 1) -> dict[
 
     Each turn begins with an untimed call: other turns have emptied the caches.
     """
-    repeats = {key: max(1, round(_BLOCK / max(_seconds(call, 3), 1e-7))) for key, call in calls.items()}
+    repeats = {key: max(1, round(_BLOCK / max(timeit(call, number=3) / 3, 1e-7))) for key, call in calls.items()}
     found: dict[str, list[float]] = {key: [] for key in calls}
     for _ in range(_ROUNDS):
         for key, call in calls.items():
             call()
-            found[key].append(1e9 * _seconds(call, repeats[key]) / items)
+            found[key].append(1e9 * timeit(call, number=repeats[key]) / (repeats[key] * items))
     return {key: Timing(float(np.median(times)), min(times)) for key, times in found.items()}
-
-
-def _seconds(call: Callable[[], object], repeats: int) -> float:
-    """Mean time of one of so many calls, s."""
-    start = time.perf_counter()
-    for _ in range(repeats):
-        call()
-    return (time.perf_counter() - start) / repeats
