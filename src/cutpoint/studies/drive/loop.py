@@ -9,8 +9,8 @@ from cutpoint.arrays import Array
 from cutpoint.model.drive import Compliance, Drive
 
 
-class Wound(NamedTuple):
-    """Deflection of a spring, rad, and the strains of the parallel elements, rad."""
+class SpringState(NamedTuple):
+    """Deflection of a drive's spring, rad, and the strains of the elements of hysteresis beside it, rad."""
 
     deflection: float
     strains: tuple[float, ...]
@@ -29,26 +29,26 @@ class Loop(NamedTuple):
 
 def cycle(drive: Drive, peak: float, points: int = 400) -> Loop:
     """The loop between torques -peak and peak, N m."""
-    ends = [_unwound(drive)]
+    ends = [_relaxed(drive)]
     for torque in (peak, -peak, peak, -peak):
-        ends.append(wound_to(drive, ends[-1], torque))
+        ends.append(state_at(drive, ends[-1], torque))
     low, high = ends[-1], ends[-2]
-    zero = [wound_to(drive, end, 0.0).deflection for end in (low, high)]
+    zero = [state_at(drive, end, 0.0).deflection for end in (low, high)]
     paths = [np.linspace(low.deflection, high.deflection, points), np.linspace(high.deflection, low.deflection, points)]
     up, down = ((path, branch(drive, end, path)) for end, path in zip((low, high), paths, strict=True))
     return Loop(up, down, abs(zero[1] - zero[0]), high.deflection - low.deflection)
 
 
-def wound_to(drive: Drive, start: Wound, torque: float) -> Wound:
+def state_at(drive: Drive, start: SpringState, torque: float) -> SpringState:
     """Where a torque is reached, in one direction from `start`."""
     spring = _spring(drive)
     slipping = float(drive.hysteresis.torque(drive.hysteresis.reach)) if drive.hysteresis else 0.0
     bound = float(spring.deflection(abs(torque) + slipping)) * (1 + 1e-9) + 1e-12
     deflection: Any = brentq(lambda x: float(branch(drive, start, x)) - torque, -bound, bound, xtol=1e-16)
-    return Wound(deflection, _strains(drive, start, deflection))
+    return SpringState(deflection, _strains(drive, start, deflection))
 
 
-def branch(drive: Drive, start: Wound, deflection: Any) -> Any:
+def branch(drive: Drive, start: SpringState, deflection: Any) -> Any:
     """Torque at deflections on one side of `start`, N m."""
     torque = _spring(drive).torque(deflection)
     if drive.hysteresis is None:
@@ -56,11 +56,11 @@ def branch(drive: Drive, start: Wound, deflection: Any) -> Any:
     return torque + drive.hysteresis.torque(_strains(drive, start, deflection))
 
 
-def _unwound(drive: Drive) -> Wound:
-    return Wound(0.0, (0.0,) * len(drive.hysteresis.reach) if drive.hysteresis else ())
+def _relaxed(drive: Drive) -> SpringState:
+    return SpringState(0.0, (0.0,) * len(drive.hysteresis.reach) if drive.hysteresis else ())
 
 
-def _strains(drive: Drive, start: Wound, deflection: Any) -> tuple[Any, ...]:
+def _strains(drive: Drive, start: SpringState, deflection: Any) -> tuple[Any, ...]:
     return drive.hysteresis.strains(start.strains, deflection - start.deflection) if drive.hysteresis else ()
 
 

@@ -17,7 +17,7 @@ from cutpoint.model.drive import Drive
 from cutpoint.model.units import ARC_MINUTE
 from cutpoint.reporting.style import FAINT, FORCE, INK, LINK, MOTOR, MOTOR_FILL, SPRING, WIDTH
 from cutpoint.simulation import Log
-from cutpoint.studies.drive.loop import Wound, branch, cycle, wound_to
+from cutpoint.studies.drive.loop import SpringState, branch, cycle, state_at
 from cutpoint.studies.drive_effects import (
     ASYMMETRY,
     COLD,
@@ -89,11 +89,11 @@ def hysteresis_loop(axes: Axes, drive: Drive) -> None:
 def minor_loops(drive: Drive, farthest: float) -> list[tuple[Array, Array]]:
     """Deflections and torques of loops that leave the falling branch and come back to it, rad and N m."""
     assert drive.hysteresis is not None
-    top, found = Wound(farthest, tuple(drive.hysteresis.reach)), list[tuple[Array, Array]]()
+    top, found = SpringState(farthest, tuple(drive.hysteresis.reach)), list[tuple[Array, Array]]()
     for low, high in MINOR:
-        start = wound_to(drive, top, low)
-        turn = wound_to(drive, start, high)
-        end = wound_to(drive, turn, low)
+        start = state_at(drive, top, low)
+        turn = state_at(drive, start, high)
+        end = state_at(drive, turn, low)
         up, down = (np.linspace(a.deflection, b.deflection, 120) for a, b in ((start, turn), (turn, end)))
         found.append((np.append(up, down), np.append(branch(drive, start, up), branch(drive, turn, down))))
     return found
