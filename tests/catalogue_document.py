@@ -165,10 +165,10 @@ def _straight(specimen: Specimen) -> float:
 
 
 def _within(specimen: Specimen, exact: bool) -> bool:
-    spring, chords = specimen.spring, specimen.chords
+    spring, (first, second) = specimen.spring, specimen.chords
     assert spring is not None
     numbers = [float(x) for x in (spring.k1, spring.k2, spring.t1, spring.t2)]
-    found = (numbers[2] / chords.first, (numbers[3] - numbers[2]) / chords.second)
+    found = (numbers[2] / first, (numbers[3] - numbers[2]) / second)
     return all(low <= x <= high for x, (low, high) in zip(found, torsions(*numbers, exact=exact), strict=True))
 
 

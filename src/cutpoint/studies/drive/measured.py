@@ -1,7 +1,6 @@
 """Results of the laws of a catalogue drive, measured as its maker measures a gear."""
 
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,13 +15,6 @@ from cutpoint.studies.drive.loop import Loop, cycle
 
 SMALL = 0.04
 """Of the rated torque: what lost motion is measured with.  Harmonic Drive, HFUS-2A manual 1019658, page 52."""
-
-
-class Chords(NamedTuple):
-    """Stiffness from zero to T1 and from T1 to T2, N m/rad."""
-
-    first: float
-    second: float
 
 
 class Specimen:
@@ -53,11 +45,12 @@ class Specimen:
         return max(torque for _, torque, _ in gear.efficiency.points) if gear.efficiency else None
 
     @property
-    def chords(self) -> Chords:
+    def chords(self) -> tuple[float, float]:
+        """Stiffness from zero to T1 and from T1 to T2, N m/rad."""
         spring = self.spring
         assert spring is not None
         first, second = (float(spring.deflection(t)) for t in (spring.t1, spring.t2))
-        return Chords(float(spring.t1) / first, float(spring.t2 - spring.t1) / (second - first))
+        return float(spring.t1) / first, float(spring.t2 - spring.t1) / (second - first)
 
     @cached_property
     def loop(self) -> Loop | None:

@@ -50,14 +50,8 @@ def _sheet(specimen: Specimen) -> Table:
     table.columns[1].justify = "left"
     before = ""
     for line in printed(specimen):
-        table.add_row(
-            line.group if line.group != before else "",
-            line.quantity,
-            line.value,
-            line.unit,
-            line.source,
-            Text(line.status, style=_STATUS.get(line.status, "dim")),
-        )
+        group = line.group if line.group != before else ""
+        table.add_row(group, *line[1:-1], Text(line.status, style=_STATUS.get(line.status, "dim")))
         before = line.group
     return table
 
