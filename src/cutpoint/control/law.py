@@ -189,6 +189,11 @@ def parts_of(law: Controller) -> tuple[Any, ...]:
     return law.parts if isinstance(law, Sum) else (law,)
 
 
+def inner_laws(law: Any) -> tuple[Any, ...]:
+    """The laws of which a sum or a wrapper is made; none of another law."""
+    return law.parts if isinstance(law, Sum) else (law.law,) if isinstance(law, Wrapper) else ()
+
+
 def law_in_words(law: Any) -> str:
     """A law in words, as `Guard(SpeedFilter(PD + Feedforward))`."""
     if isinstance(law, Sum):
@@ -199,8 +204,7 @@ def law_in_words(law: Any) -> str:
 def check_drives(law: Controller, joints: Sequence[str]) -> None:
     """Raises InputError if a law, or one of its parts, is for another number of drives, or models a robot with other
     joints."""
-    inner = law.parts if isinstance(law, Sum) else (law.law,) if isinstance(law, Wrapper) else ()
-    for part in inner:
+    for part in inner_laws(law):
         check_drives(part, joints)
     drives = len(joints)
     size = getattr(law, "size", drives)

@@ -16,7 +16,7 @@ from cutpoint.control.interface import (
     start_of,
     stepped,
 )
-from cutpoint.control.law import Sum, Wrapper, makes_reference, needs_of, parts_of
+from cutpoint.control.law import inner_laws, makes_reference, needs_of, parts_of
 from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels import Graph, graph_of
 from cutpoint.kernels.arrays.numpy_backend import evaluate
@@ -43,9 +43,8 @@ class Found(NamedTuple):
 
 def innermost(law: Any) -> list[Any]:
     """The laws inside sums and wrappers; one that is neither, alone."""
-    if is_own(law) or not isinstance(law, Sum | Wrapper):
-        return [law]
-    return [part for x in (law.parts if isinstance(law, Sum) else [law.law]) for part in innermost(x)]
+    inner = () if is_own(law) else inner_laws(law)
+    return [part for x in inner for part in innermost(x)] if inner else [law]
 
 
 def own_parts(law: Any) -> list[Any]:
