@@ -14,7 +14,7 @@ from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.control.interface import Control, name_of
 from cutpoint.control.sensors import Sensors
-from cutpoint.door import refused, whole
+from cutpoint.door import check_choice, refused, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
@@ -147,8 +147,7 @@ def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] |
     for number, values in enumerate(zip(*runs.values(), strict=True)):
         with _in_the_name_of(f"simulate_many: run {number}"):
             check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)
-    if accuracy not in ("standard", "fine"):
-        raise InputError(f"simulate_many: accuracy {accuracy!r} must be 'standard' or 'fine'")
+    check_choice("simulate_many", "accuracy", accuracy, ("standard", "fine"))
 
 
 @contextmanager
