@@ -13,7 +13,7 @@ from cutpoint.functions.rotor_coupling import rotor_coupling, rotor_mobility, wi
 from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
-from cutpoint.model.drive import Drive, Friction
+from cutpoint.model.drive import Drive, Friction, Harmonic
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.spring_slopes import stiffest
 
@@ -140,12 +140,16 @@ def fastest_wave(robot: Robot, speeds: Array) -> Limit:
     """Fastest wave of torque or kinematic error, rad/s, of drives that turn with speeds (n,), rad/s at the joint."""
     best = Limit(0.0, "nothing that waves")
     for (name, drive), speed in zip(robot.drives.items(), speeds, strict=True):
-        waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
-        waves += [*drive.motor.ripple, *drive.motor.cogging] if drive.motor else []
-        order = max((wave.order for wave in waves if wave.amplitude), default=0)
+        order = max((wave.order for wave in waves_of(drive) if wave.amplitude), default=0)
         rate = float(order * abs(drive.ratio * speed))
         best = max(best, Limit(rate, f"waves of order {order} of the motor of {name!r}"))
     return best
+
+
+def waves_of(drive: Drive) -> list[Harmonic]:
+    """Those that go with the rotor's turns: kinematic error, ripple and cogging."""
+    waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
+    return waves + ([*drive.motor.ripple, *drive.motor.cogging] if drive.motor else [])
 
 
 def _swing(mobility: Array, K: Array, bristles: Array, elastic: NDArray[np.bool_]) -> Array:

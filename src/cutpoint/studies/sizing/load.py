@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
+from cutpoint.simulation.steps.fastest import waves_of
 from cutpoint.trajectories.trajectory import Moves
 
 FEWEST, MOST = 2_000, 500_000
@@ -113,13 +113,8 @@ def _motor(drive: Drive) -> tuple[float, float, float]:
 
 def _highest_frequency(robot: Robot, load: Load) -> float:
     """Of the waves that go with a rotor's turns, Hz."""
-    frequencies = [0.0]
-    for drive, speed in zip(robot.drives.values(), load.motor_speed.T, strict=True):
-        waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
-        if drive.motor is not None:
-            waves += [*drive.motor.ripple, *drive.motor.cogging]
-        frequencies += [wave.order * float(np.abs(speed).max()) / (2 * np.pi) for wave in waves]
-    return max(frequencies)
+    orders = [max((wave.order for wave in waves_of(drive)), default=0) for drive in robot.drives.values()]
+    return float((orders * np.abs(load.motor_speed).max(axis=0)).max(initial=0.0) / (2 * np.pi))
 
 
 def _crests(x: Array) -> NDArray[np.intp]:
