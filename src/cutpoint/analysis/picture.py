@@ -11,7 +11,7 @@ from cutpoint.analysis.frequency_response import FrequencyResponse, frequency_re
 from cutpoint.analysis.modes import Modes
 from cutpoint.arrays import Array, ComplexArray
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import ACROSS, INK, LINK, MOTOR, STYLE, fit, styled_figure
+from cutpoint.reporting.style import INK, LINK, MOTOR, STYLE, fit, grid_of, styled_figure
 
 PANEL = (4.4, 3.9)
 """Inches of a joint's magnitude and phase together."""
@@ -38,8 +38,7 @@ def picture(modes: Modes) -> Figure:
 
 def _drawn(modes: Modes) -> Figure:
     joints = modes.model.joints
-    down = -(-len(joints) // ACROSS)
-    across = -(-len(joints) // down)
+    down, across = grid_of(len(joints))
     size = (0.6 + PANEL[0] * across, 0.3 + 0.8 / across + PANEL[1] * down)
     # no space in parts of the picture's height, which would part a joint's two axes
     layout = ConstrainedLayoutEngine(hspace=0.0)

@@ -66,6 +66,12 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
         return figure
 
 
+def grid_of(panels: int) -> tuple[int, int]:
+    """Rows and columns of a figure with so many panels: at most ACROSS side by side, rows as full as they can be."""
+    down = -(-panels // ACROSS)
+    return down, -(-panels // down)
+
+
 def width_of(text: Text) -> float:
     """Inches, as it will be drawn."""
     figure: Any = text.get_figure()

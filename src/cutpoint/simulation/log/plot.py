@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from cutpoint.arrays import Array
 from cutpoint.door import check_kind
 from cutpoint.errors import InputError
-from cutpoint.reporting.style import ACROSS, FAINT, JOINTS, STYLE, fit, styled_figure
+from cutpoint.reporting.style import FAINT, JOINTS, STYLE, fit, grid_of, styled_figure
 from cutpoint.simulation.log.log import Log
 
 AXIS_WIDTH, AXIS_HEIGHT = 3.6, 2.0
@@ -129,8 +129,7 @@ def _cells(axes: dict[Axis, list[Line]], apart: bool) -> tuple[int, list[int]]:
     apart: axes of other channels than those before them begin a row.
     """
     shown = [tuple((line.run, line.channel) for line in lines) if apart else () for lines in axes.values()]
-    most = max(map(shown.count, shown))
-    across = -(-most // -(-most // ACROSS))
+    _, across = grid_of(max(map(shown.count, shown)))
     cells: list[int] = []
     for k, channels in enumerate(shown):
         begun = k and channels != shown[k - 1]

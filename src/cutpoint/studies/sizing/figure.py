@@ -13,7 +13,7 @@ from matplotlib.patheffects import withStroke
 from cutpoint.arrays import Array
 from cutpoint.mechanics.drives.motor import within_limits
 from cutpoint.model.units import RPM
-from cutpoint.reporting.style import ACROSS, BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, styled_figure, width_of
+from cutpoint.reporting.style import BASE_FILL, FAINT, FORCE, INK, LINK, MOTOR, fit, grid_of, styled_figure, width_of
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, allowed
 from cutpoint.studies.sizing.load import Load
 from cutpoint.studies.sizing.margins import told
@@ -62,8 +62,8 @@ def figure_of(drives: Sequence[DriveSizing], load: Load) -> Figure:
 
 
 def _drawn(drives: Sequence[DriveSizing], load: Load) -> Figure:
-    down, mixed = -(-len(drives) // ACROSS), len({drive.slides for drive in drives}) > 1
-    across = -(-len(drives) // down)
+    mixed = len({drive.slides for drive in drives}) > 1
+    down, across = grid_of(len(drives))
     figure = Figure(figsize=(0.4 + PANEL[0] * across, 1.0 + PANEL[1] * down), layout="constrained")
     for k, drive in enumerate(drives):
         axes = figure.add_subplot(down, across, k + 1)
