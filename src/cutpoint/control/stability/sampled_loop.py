@@ -21,7 +21,7 @@ from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_robot, checked_pose
+from cutpoint.robot_arguments import checked_pose
 from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
@@ -216,10 +216,9 @@ def small_signal(robot: Robot, law: Control, q: ArrayLike, period: float) -> Sma
 
 def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[Robot, Array, Any]:
     """The robot and the law with drives as they count here, and the pose."""
-    check_robot(function, robot)
+    check_all_driven(function, robot)
     made = as_law(law)
     check_drives(made, robot.joints)
-    check_all_driven(function, robot)
     for part in innermost(made):
         if getattr(part, "jumps_at_rest", False):
             told = f"{name_of(part)} jumps where errors vanish, so it has no slopes at rest"

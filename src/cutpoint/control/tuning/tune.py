@@ -16,7 +16,7 @@ from cutpoint.control.tuning.recipes import RECIPES
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_robot, checked_pose
+from cutpoint.robot_arguments import checked_pose
 
 L = TypeVar("L")
 
@@ -83,13 +83,12 @@ def tune(
             control_period (s), has a pole that grows faster than dry friction stops; the message names the joint, its
             frequency and remedies.  `SuperTwisting` is not tested.  Or a joint, such as a floating base, has no motor.
     """
-    check_robot("tune", robot)
+    check_all_driven("tune", robot)
     check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
     bandwidth = positive("tune", "bandwidth", bandwidth, "Hz")
     damping, period = positive("tune", "damping", damping), positive("tune", "control_period", control_period, "s")
     if law not in RECIPES:
         raise unknown_name("law that can be tuned", law.__name__, [x.__name__ for x in RECIPES])
-    check_all_driven("tune", robot)
     pose = robot.neutral() if q is None else checked_pose("tune", robot, q)
 
     def made(hertz: float) -> Any:
