@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from cutpoint.arrays import Array
 from cutpoint.reporting.page import Page, Picture, listed
 from cutpoint.studies.compare import figures
 from cutpoint.studies.compare.bench import FAST, USUAL, Bench, overtaxed
@@ -85,18 +86,21 @@ def _scenarios(results: Results, seeds: int) -> str:
 
 
 def _sizes(bench: Bench) -> str:
-    limits = bench.robot.effort_limits
-    bounds = (
-        f"Torques are limited to {listed(limits, 0)} N m" if np.isfinite(limits).all() else "Not all limits are stated"
-    )
-    bounds = bounds if np.isfinite(limits).any() else "The robot states no limits of torques"
     few = overtaxed(bench)
     small = f", and may not repeat what is needed at {', '.join(few)}" if few else ""
     return (
         f"Encoders have {TURN / LINK_STEP:.0f} steps a turn at the link and {TURN / MOTOR_STEP:.0f} at the motor, and "
         f"noise of {NOISE:g} rad, at the joint's side. Gears of the whole drives are of the catalogue{small}; "
-        f"kinematic error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s. {bounds}."
+        f"kinematic error, ripple and cogging stand at phases of chance. The fast move takes {FAST:g} s. "
+        f"{_torque_limits(bench.robot.effort_limits)}."
     )
+
+
+def _torque_limits(limits: Array) -> str:
+    is_stated = np.isfinite(limits)
+    if not is_stated.any():
+        return "The robot states no limits of torques"
+    return f"Torques are limited to {listed(limits, 0)} N m" if is_stated.all() else "Not all limits are stated"
 
 
 def summary(results: Results, done: Sequence[int]) -> tuple[str, ...]:
