@@ -44,6 +44,16 @@ def test_arithmetic_of_jets_has_the_derivatives_that_sympy_finds(operation):
     assert_close(derivatives(operation(2, x)), derivatives(jet(operation(sympy.Integer(2), PATH))), 1e-13)
 
 
+@pytest.mark.parametrize("exponent", [0, 1, 2, 3, 7, -2, 3.0, sympy.Rational(1, 2)])
+def test_powers_of_jets_have_the_derivatives_that_sympy_finds(exponent):
+    given = 0.5 if isinstance(exponent, sympy.Rational) and not exponent.is_integer else exponent
+    assert_close(derivatives(jet(PATH) ** given), derivatives(jet(PATH ** sympy.nsimplify(exponent))), 1e-13)
+
+
+def test_the_magnitude_of_a_jet_is_its_own_or_its_opposite():
+    assert derivatives(abs(jet(-PATH))) == derivatives(jet(PATH)) == derivatives(abs(jet(PATH)))
+
+
 def test_a_composition_of_everything_is_differentiated_as_a_whole():
     ours = scalars.exp(scalars.sin(jet(PATH)) / jet(OTHER)) * scalars.tanh(jet(OTHER)) - scalars.atan(jet(PATH) * 3)
     theirs = sympy.exp(sympy.sin(PATH) / OTHER) * sympy.tanh(OTHER) - sympy.atan(PATH * 3)

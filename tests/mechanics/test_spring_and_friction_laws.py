@@ -155,3 +155,36 @@ def test_a_users_law_must_say_in_what_it_is_linear():
     rubbing = replace(arm.drives["joint2"], link_friction=Nameless(1.0))
     with pytest.raises(ModelError, match="link_friction, a Nameless, must state `coefficients`"):
         arm.with_drives({"joint2": rubbing})
+
+
+@dataclass(frozen=True)
+class Cubic:
+    """A user's spring, written as one would: with powers and magnitudes."""
+
+    stiffness: float
+    rise: float
+
+    def torque(self, deflection: Scalar) -> Scalar:
+        return self.stiffness * deflection + self.rise * deflection**3
+
+    def deflection(self, torque: Scalar) -> Scalar:
+        x = torque / self.stiffness
+        for _ in range(6):
+            x = x - (self.torque(x) - torque) / self.tangent(x)
+        return x
+
+    def tangent(self, deflection: Scalar) -> Scalar:
+        return self.stiffness + 3 * self.rise * abs(deflection) ** 2
+
+    def energy(self, deflection: Scalar) -> Scalar:
+        return self.stiffness * deflection**2 / 2 + self.rise * deflection**4 / 4
+
+
+def test_a_users_spring_may_use_powers_and_magnitudes():
+    arm = robot("linear")
+    bent = arm.with_drives({"joint2": replace(arm.drives["joint2"], compliance=Cubic(1e4, 1e8))})
+    q, v, a, jerk, snap = np.random.default_rng(5).normal(size=(5, 6))
+    needed = bent.elastic_inverse_dynamics(q, v, a, jerk, snap)
+    found = bent.elastic_forward_dynamics(q, v, needed.theta, needed.theta_dot, needed.motor_torque)
+    np.testing.assert_allclose(found.a, a, rtol=1e-8)
+    np.testing.assert_allclose(found.theta_ddot, needed.theta_ddot, rtol=1e-8)

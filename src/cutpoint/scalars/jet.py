@@ -5,6 +5,7 @@ They hold derivatives, not the Taylor coefficients of the book: no product is sp
 
 import math
 from collections.abc import Callable, Sequence
+from numbers import Real
 from operator import is_
 from typing import Any
 
@@ -76,6 +77,23 @@ class Jet:
         return Jet(*quotient)
 
     def __rtruediv__(self, other: Any) -> "Jet": return self._lift(other) / self
+
+    def __pow__(self, exponent: Any) -> "Jet":
+        """To a constant whole power, by repeated squaring, or the square root: as of traced numbers."""
+        if not isinstance(exponent, Real):
+            return NotImplemented
+        if exponent == 0.5:
+            return self.sqrt()
+        if not float(exponent).is_integer():
+            return NotImplemented
+        square, result, n = self, self._lift(1.0), abs(int(float(exponent)))
+        while n:
+            result = square * result if n & 1 else result
+            n >>= 1
+            square = square * square if n else square
+        return 1 / result if exponent < 0 else result
+
+    def __abs__(self) -> "Jet": return Jet.where(self < 0, -self, self)
 
     def __lt__(self, other: Any) -> Any: return self.derivatives[0] < value_of(other)
     def __gt__(self, other: Any) -> Any: return self.derivatives[0] > value_of(other)
