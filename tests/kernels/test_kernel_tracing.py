@@ -134,6 +134,8 @@ REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     "bits": (lambda x, y: x >> 1, "whole numbers"),
     "numbers joined": (lambda x, y: x & y, "join conditions"),
     "sum of conditions": (lambda x, y: (x < y) + 1, "cutpoint.where(condition, 1.0, 0.0)"),
+    "number times condition": (lambda x, y: x * (x < y), "cutpoint.where(condition, 1.0, 0.0)"),
+    "while": (lambda x, y: next(y for _ in iter(lambda: bool(x < y), False)), "a constant number of passes"),
     "counted conditions": (lambda x, y: sum([x < y, x < 0]), "cutpoint.where(condition, 1.0, 0.0)"),
     "condition joined with number": (lambda x, y: (x < y) & x, "join conditions"),
 }
@@ -272,7 +274,7 @@ def test_a_jet_of_traced_numbers_is_a_jet() -> None:
 
 
 def test_a_condition_is_no_output() -> None:
-    with pytest.raises(TraceError, match="Condition"):
+    with pytest.raises(TraceError, match=r"Condition; .* write cutpoint.where\(condition, 1.0, 0.0\)"):
         graph_of(lambda x: x < 1, x=())
 
 

@@ -17,6 +17,8 @@ _RENAMED = {
     "fmin": "minimum",
 }  # fmt: skip
 
+NO_NUMBER = "a condition is no number: write cutpoint.where(condition, 1.0, 0.0)"
+
 
 class _Told(threading.local):
     """Number of refusals in this thread, including caught ones."""
@@ -45,10 +47,10 @@ class Refusals:
 
     def __bool__(self) -> NoReturn:
         refuse(
-            "a traced number has no truth value yet, so `if`, `and`, `or`, `not`, `min`, `max` and NumPy's clip, "
-            "maximum, where and sign cannot be compiled; write cutpoint.where(x > 0, yes, no), cutpoint.clip, maximum, "
-            "minimum or absolute, and `&`, `|`, `~` between conditions; all take arrays, which are compared by "
-            "np.less(x, y, dtype=object)"
+            "a traced number has no truth value yet, so `if`, `while`, `and`, `or`, `not`, `min`, `max` and NumPy's "
+            "clip, maximum, where and sign cannot be compiled; write cutpoint.where(x > 0, yes, no), cutpoint.clip, "
+            "maximum, minimum or absolute, `&`, `|`, `~` between conditions, and a constant number of passes for a "
+            "loop; all take arrays, which are compared by np.less(x, y, dtype=object)"
         )
 
     def __float__(self) -> NoReturn:

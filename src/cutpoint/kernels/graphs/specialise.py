@@ -9,8 +9,8 @@ from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Trace
 from cutpoint.kernels.graphs.ports import Port, flatten, nest, port, record_fields
-from cutpoint.kernels.graphs.refusals import as_float
-from cutpoint.kernels.graphs.tracing import Operand, Traced, tracing
+from cutpoint.kernels.graphs.refusals import NO_NUMBER, as_float
+from cutpoint.kernels.graphs.tracing import Condition, Operand, Traced, tracing
 
 SEVERAL = "several outputs are the fields of a NamedTuple or dataclass"
 
@@ -53,7 +53,7 @@ def name_of(function: Callable[..., Any]) -> str:
 def _is_of_traced_numbers(error: Exception) -> bool:
     """Whether NumPy or Python rejects an operation because its operands are traced."""
     text = str(error)
-    return type(error).__module__.startswith("numpy") or any(x in text for x in ("Traced", "Condition", "ufunc"))
+    return type(error).__module__.startswith("numpy") or any(x in text for x in ("Traced", "Condition", "Jet", "ufunc"))
 
 
 def _bound(function: Callable[..., Any], arguments: dict[str, Any]) -> dict[str, Any]:
@@ -94,4 +94,5 @@ def checked(function: Callable[..., Any], name: str, x: Any, trace: Trace) -> Op
         return as_float(x)
     what = "a number of another trace" if isinstance(x, Traced) else f"a {type(x).__name__}"
     rule = "it must hold traced numbers, ints and floats" + (f"; {SEVERAL}" if isinstance(x, dict) else "")
+    rule = NO_NUMBER if isinstance(x, Condition) else rule
     raise TraceError(f"{name_of(function)}: output {name!r} holds {what}; {rule}")

@@ -17,7 +17,7 @@ import numpy as np
 from cutpoint.kernels.graphs import algebra
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.nodes import Node, Trace
-from cutpoint.kernels.graphs.refusals import Refusals, as_float, refuse, refuse_numpy, refuse_operand
+from cutpoint.kernels.graphs.refusals import NO_NUMBER, Refusals, as_float, refuse, refuse_numpy, refuse_operand
 from cutpoint.scalars import known_truth
 
 _OPERATORS = {
@@ -45,6 +45,8 @@ def _yield_to(other: Any) -> Any:
     """NotImplemented for types that can handle a Traced; a refusal for all others."""
     if getattr(other, "level", 0) > Traced.level or isinstance(other, np.ndarray):
         return NotImplemented
+    if isinstance(other, Condition):
+        refuse(NO_NUMBER)
     refuse_operand(other)
 
 
@@ -73,7 +75,7 @@ class Condition(Refusals, Node):
         return self.args[0] if self.op == "not" else self.trace.node("not", self)
 
     def __add__(self, *other: object) -> Any:
-        refuse("a condition is no number: write cutpoint.where(condition, 1.0, 0.0)")
+        refuse(NO_NUMBER)
 
     __sub__ = __mul__ = __truediv__ = __radd__ = __rsub__ = __rmul__ = __rtruediv__ = __neg__ = __add__
 
