@@ -329,6 +329,21 @@ def test_the_header_says_what_wrenches_and_strains_are(arm: cutpoint.Robot, tmp_
     assert "elastic_forward_dynamics of xia2019." in header
 
 
+def test_the_header_says_what_an_elastic_plant_leaves_out(arm: cutpoint.Robot, tmp_path: Path) -> None:
+    slides = LuGre(Coulomb(1.0, 0.5, 0.1), 1e-4, 0.0)
+    first = replace(arm.drives["joint1"], link_friction=slides, motor=cutpoint.Motor(0.1, bandwidth=800.0))
+    whole, name = arm.with_drives({"joint1": first}), "elastic_forward_dynamics"
+    steady = "friction as in steady sliding and no hysteresis, for want of strains"
+    motors = "without the motors' current loops, delays, limits, ripple and cogging"
+    for robot, options, told in [
+        (arm, {}, f"{name} of xia2019."),
+        (whole, {}, f"{name} of xia2019, {steady}, {motors}."),
+        (whole, {"strains": np.zeros(1)}, f"{name} of xia2019, {motors}."),
+    ]:
+        export_function(robot, name, tmp_path, **options)
+        assert told in (tmp_path / f"{name}.h").read_text()
+
+
 def test_the_check_looks_at_the_headers_table(arm: cutpoint.Robot, tmp_path: Path) -> None:
     """A controller that takes the table takes what the check has seen."""
     export_function(arm, "static_deflection", tmp_path, name="lead")

@@ -73,6 +73,16 @@ def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = 
     return told.get(function, "")
 
 
+def left_out_of(robot: Robot, function: str, strains: Any = None, **_: Any) -> list[str]:
+    """Words on what the drives state, and simulation computes, but a function of their motion does not."""
+    if function.removesuffix("_derivatives") not in ("elastic_inverse_dynamics", "elastic_forward_dynamics"):
+        return []
+    steady = "friction as in steady sliding and no hysteresis, for want of strains"
+    told = [steady] if robot.strain_names and strains is None else []
+    has_motors = any(drive.motor for drive in robot.drives.values())
+    return [*told, "without the motors' current loops, delays, limits, ripple and cogging"] if has_motors else told
+
+
 def notes_of(
     robot: Robot,
     function: Graph | Source,

@@ -16,7 +16,16 @@ from cutpoint.control.law import law_in_words
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export.notes import PER_DRIVE, drive_labels, has_guard, labels_of, notes_of, notes_of_law, result_of
+from cutpoint.export.notes import (
+    PER_DRIVE,
+    drive_labels,
+    has_guard,
+    labels_of,
+    left_out_of,
+    notes_of,
+    notes_of_law,
+    result_of,
+)
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.traits import TRAITS
 from cutpoint.kernels.graphs.precision import PRECISIONS
@@ -65,7 +74,8 @@ def export_function(
     # arrays are told of where the arguments are
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
     said = [f"{key} {', '.join(x) if isinstance(x, Mapping) else x}" for key, x in told.items()]
-    about = ", ".join([f"{function} of {robot.name}", *said, *["in single precision"] * single])
+    left_out = left_out_of(robot, function, **options)
+    about = ", ".join([f"{function} of {robot.name}", *said, *left_out, *["in single precision"] * single])
     values = {"parameters": Values(robot.drive_parameters, drive_labels(robot))}
     _check_bears(name, values, precision)
     result = result_of(robot, function, **options)
