@@ -51,7 +51,8 @@ def _sheet(specimen: Specimen) -> Table:
     before = ""
     for line in printed(specimen):
         group = line.group if line.group != before else ""
-        table.add_row(group, *line[1:-1], Text(line.status, style=_STATUS.get(line.status, "dim")))
+        status = Text(line.status, style=_STATUS.get(line.status, "dim"))
+        table.add_row(group, line.quantity, line.value, line.unit, line.source, status)
         before = line.group
     return table
 
