@@ -10,6 +10,7 @@ from cutpoint.control import Fault, Guard
 from cutpoint.control.interface import SENSED
 from cutpoint.control.laws.model_law import ModelLaw
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import places_of
 from cutpoint.kernels.targets.c99 import Source
 from cutpoint.kernels.targets.c99_texts import Notes, Values
 from cutpoint.robot import Robot
@@ -102,7 +103,7 @@ def notes_of(
     if result:
         told[function.outputs[0].name] = result
     if isinstance(function, Graph):
-        told |= {name: f"not read; {told[name]}" for name in _unread(function)}
+        told |= {p.name: f"not read; {told[p.name]}" for p in function.inputs if p.name not in function.inputs_read}
     sides = "at the joints' side: a rotor's angle over its gear's ratio, a motor's torque times the ratio"
     return Notes(f"{about}.  SI units and radians, {sides if robot.drives else 'at the joints'}.", told, kept)
 
@@ -155,16 +156,11 @@ def _told(robot: Robot, name: str, shape: Sequence[int], per_drive: Collection[s
     return f"{unit}: {', '.join(order)}" if (len(order),) == tuple(shape) else unit
 
 
-def _unread(graph: Graph) -> set[str]:
-    """Inputs that no result depends on."""
-    return {port.name for port in graph.inputs} - graph.inputs_read
-
-
 def _marked(graph: Graph, name: str, values: Values) -> Values:
     """An input's values; labels say which of them no result depends on, since changing these changes nothing."""
-    first = sum(port.size for port in graph.inputs[: [port.name for port in graph.inputs].index(name)])
-    read = {x.args[0] for x in graph.nodes if x.op == "input"}
-    return values._replace(labels=[x if k in read else f"not read; {x}" for k, x in enumerate(values.labels, first)])
+    places = places_of(graph.inputs)
+    read = {places[x.args[0]] for x in graph.nodes if x.op == "input"}
+    return values._replace(labels=[x if (name, k) in read else f"not read; {x}" for k, x in enumerate(values.labels)])
 
 
 def _slopes_told(robot: Robot, name: str) -> str:

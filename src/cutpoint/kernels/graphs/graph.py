@@ -11,7 +11,7 @@ from typing import Any
 from cutpoint.errors import unknown_name
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.nodes import COMMUTATIVE, Node, Trace
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, places_of, slot_names
 from cutpoint.kernels.graphs.precision import FLOAT64, Precision
 from cutpoint.kernels.graphs.tracing import tracing
 
@@ -41,8 +41,8 @@ class Graph:
     @cached_property
     def inputs_read(self) -> frozenset[str]:
         """Names of the inputs that any result depends on."""
-        names = [port.name for port in self.inputs for _ in range(port.size)]
-        return frozenset(names[x.args[0]] for x in self.nodes if x.op == "input")
+        places = places_of(self.inputs)
+        return frozenset(places[x.args[0]][0] for x in self.nodes if x.op == "input")
 
     @cached_property
     def operations(self) -> dict[str, int]:
@@ -143,7 +143,7 @@ def rewrite(graph: Graph, rule: Rule) -> Graph:
 def fingerprint(results: Iterable[Operand], inputs: tuple[Port, ...]) -> str:
     """A string that is equal for equal expressions, whatever their trace; see Graph.fingerprint."""
     results = [*results]
-    names = [f"{port.name}[{k}]" for port in inputs for k in range(port.size)]
+    names = slot_names(inputs)
     digests: dict[int, bytes] = {}
 
     def digest(x: Operand) -> bytes:

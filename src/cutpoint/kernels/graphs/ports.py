@@ -5,13 +5,15 @@ import operator
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from itertools import islice
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from cutpoint.errors import InputError
 
 Shape = tuple[int, ...]
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -63,9 +65,19 @@ def flatten(value: Any) -> tuple[Shape, list[Any]]:
     return (len(parts), *(shapes[0] if shapes else ())), [x for _, row in rows for x in row]
 
 
-def slots_of(ports: Sequence[Port], memory: Sequence[str]) -> list[tuple[str, int]]:
+def slots_of(ports: Sequence[Port], memory: Sequence[T]) -> list[tuple[T, int]]:
     """For every number, the memory that holds its port, and its offset there."""
-    return [(pointer, k) for port, pointer in zip(ports, memory, strict=True) for k in range(port.size)]
+    return [(own, k) for port, own in zip(ports, memory, strict=True) for k in range(port.size)]
+
+
+def places_of(ports: Sequence[Port]) -> list[tuple[str, int]]:
+    """For every number, the name of its port, and its offset there."""
+    return slots_of(ports, [port.name for port in ports])
+
+
+def slot_names(ports: Sequence[Port]) -> list[str]:
+    """What every number is called: v[0], v[1], ..."""
+    return [f"{name}[{k}]" for name, k in places_of(ports)]
 
 
 def with_numbers(ports: Sequence[Port]) -> list[Port]:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, slots_of
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import ON_LINES, PREFETCH, Code, in_turn
 from cutpoint.kernels.machine.transposition import blocks, constants_to_rows, lanes_of_rows, lanes_to_rows
@@ -109,8 +109,7 @@ def pack_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], wid
     targets = [
         _Target(code, lanes, port, number, graph.output(port.name)) for number, port in enumerate(outputs, len(inputs))
     ]
-    read = [(source, k) for source, port in zip(sources, inputs, strict=True) for k in range(port.size)]
-    write = [(target, k) for target, port in zip(targets, outputs, strict=True) for k in range(port.size)]
+    read, write = slots_of(inputs, sources), slots_of(outputs, targets)
 
     def load(slot: int) -> str:
         source, k = read[slot]

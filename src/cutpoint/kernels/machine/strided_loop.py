@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, slots_of
 from cutpoint.kernels.machine.lane_memory import LaneMemory
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import ON_LINES, Code
@@ -21,8 +21,7 @@ def strided_loop(graph: Graph, inputs: Sequence[Port], outputs: Sequence[Port], 
         arguments.append(LaneMemory(code, lanes, port, number, first_stride))
         first_stride += len(port.shape)
     sources, targets = arguments[: len(inputs)], arguments[len(inputs) :]
-    read = [(a.scratch, k) for a, port in zip(sources, inputs, strict=True) for k in range(port.size)]
-    write = [(a.scratch, k) for a, port in zip(targets, outputs, strict=True) for k in range(port.size)]
+    read, write = slots_of(inputs, [a.scratch for a in sources]), slots_of(outputs, [a.scratch for a in targets])
     for argument in arguments:
         argument.prepare(code)
     for x, place in zip(graph.results, write, strict=True):

@@ -6,6 +6,7 @@ from functools import cached_property
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import places_of
 from cutpoint.kernels.programs.stepping import Loop, Region, Stage, View
 from cutpoint.kernels.programs.walk import Advance, Walk
 
@@ -73,11 +74,10 @@ class Plan:
         Inputs named as outputs are left out: rarely the previous iteration's row, and read only to be added to.
         """
         graph, root = self.graphs[stage], self.root
-        places = [(root(port.name), k) for port in graph.outputs for k in range(port.size)]
+        places = [(root(name), k) for name, k in places_of(graph.outputs)]
         results = {place: k for k, place in enumerate(places) if place[0] in self.streamed}
-        sources = [(port.name, k) for port in graph.inputs for k in range(port.size)]
         own = {port.name for port in graph.outputs}
-        fed = {slot: (root(name), k) for slot, (name, k) in enumerate(sources) if name not in own}
+        fed = {slot: (root(name), k) for slot, (name, k) in enumerate(places_of(graph.inputs)) if name not in own}
         return {slot: results[place] for slot, place in fed.items() if place in results}
 
     def known_ahead(self, stage: Stage) -> frozenset[str]:

@@ -6,6 +6,7 @@ from types import MappingProxyType
 from cutpoint.kernels.graphs.algebra import Operand
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Node
+from cutpoint.kernels.graphs.ports import places_of
 from cutpoint.kernels.lowering.scheduling import scheduled
 from cutpoint.kernels.machine.llvm import Lanes, straight_line
 from cutpoint.kernels.machine.llvm_code import LINE, Code, Running
@@ -44,8 +45,8 @@ class StageCode:
         self._plan, self._rows = plan, plan.known_ahead(stage)
         self._steps = dict.fromkeys(laned, stage.lanes)
         self._steps |= {name: plan.regions[plan.root(name)].lanes for name in plan.single[stage]}
-        self._sources = [(port.name, k, port.name in laned) for port in self._graph.inputs for k in range(port.size)]
-        self._targets = [(port.name, k) for port in self._graph.outputs for k in range(port.size)]
+        self._sources = [(name, k, name in laned) for name, k in places_of(self._graph.inputs)]
+        self._targets = places_of(self._graph.outputs)
         self._begun = dict[int, str]()
         can_hand_on = bool(fed) and (bool(plan.single[stage]) or self._is_laned(fed))
         self.hands_on = can_hand_on and self._handed_on({*fed.values()}) <= _MOST_HANDED_ON

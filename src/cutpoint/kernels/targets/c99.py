@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
-from cutpoint.kernels.graphs.ports import Port, with_numbers
+from cutpoint.kernels.graphs.ports import Port, slot_names, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.lowering.lower import lower
 
@@ -132,8 +132,9 @@ def source_of(graph: Graph) -> Source:
     """Of a graph, as straight-line code.  All inputs are read before an output is written: they may share memory."""
     inputs, outputs = map(with_numbers, (graph.inputs, graph.outputs))
     primitive = lower(graph)
-    lines = [f"(void){p.name};" for p in inputs if not _is_read(primitive, p, inputs)]
-    lines += statements(primitive, _slots(inputs, by_value=True), _slots(outputs))
+    lines = [f"(void){p.name};" for p in inputs if p.name not in primitive.inputs_read]
+    read = [x for p in inputs for x in (slot_names([p]) if p.shape else [p.name])]
+    lines += statements(primitive, read, slot_names(outputs))
     text = "".join(f"  {line}\n" for line in lines)
     called = helpers([primitive], graph.precision)
     return Source(graph.inputs, graph.outputs, graph.precision, called, text)
@@ -211,13 +212,3 @@ def _turned(x: Node) -> int:
 
 def _is_fused(x: Any) -> bool:
     return isinstance(x, Node) and x.op in _FUSED
-
-
-def _slots(ports: Sequence[Port], by_value: bool = False) -> list[str]:
-    """What every slot is called."""
-    return [p.name if by_value and not p.shape else f"{p.name}[{k}]" for p in ports for k in range(p.size)]
-
-
-def _is_read(graph: Graph, port: Port, inputs: Sequence[Port]) -> bool:
-    start = sum(p.size for p in inputs[: list(inputs).index(port)])
-    return any(x.op == "input" and start <= x.args[0] < start + port.size for x in graph.nodes)

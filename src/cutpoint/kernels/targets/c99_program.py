@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.graphs.ports import Port
+from cutpoint.kernels.graphs.ports import Port, places_of
 from cutpoint.kernels.graphs.precision import FLOAT64
 from cutpoint.kernels.lowering.scheduling import scheduled
 from cutpoint.kernels.programs.lowered import lowered
@@ -163,7 +163,7 @@ class _Loops:
     def _stage(self, stage: Stage, starts: Mapping[str, str]) -> Iterator[str]:
         graph = scheduled(lowered(self._plan, stage))
         read, write = (
-            [self._slot(port.name, k, starts, stage) for port in ports for k in range(port.size)]
+            [self._slot(name, k, starts, stage) for name, k in places_of(ports)]
             for ports in (graph.inputs, graph.outputs)
         )
         lanes = f"for (int _lane = 0; _lane < {stage.lanes}; _lane++) " if stage.lanes > 1 else ""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cutpoint.kernels.graphs.ports import Port, with_numbers
+from cutpoint.kernels.graphs.ports import Port, slot_names, with_numbers
 from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.targets import c99, c_names
 
@@ -120,12 +120,11 @@ def _tables(name: str, inputs: Sequence[Port], notes: Notes) -> str:
 def _check(
     inputs: Sequence[Port], outputs: Sequence[Port], given: np.ndarray, found: np.ndarray, precision: Precision
 ) -> dict[str, Any]:
-    labels = [f"{p.name}[{k}]" for p in outputs for k in range(p.size)]
     return {
         "cases": len(given), "input_count": max(1, given.shape[1]), "output_count": found.shape[1],
         "inputs": _table(given, precision), "expected": _table(found, precision),
         "call": ", ".join(_call(inputs, outputs)),
-        "output_names": "".join(f'  "{label}",\n' for label in labels),
+        "output_names": "".join(f'  "{label}",\n' for label in slot_names(outputs)),
     }  # fmt: skip
 
 

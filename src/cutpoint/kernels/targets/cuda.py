@@ -13,7 +13,7 @@ from typing import Any
 from cutpoint.errors import InputError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import CONDITIONS, Node
-from cutpoint.kernels.graphs.ports import Port, with_numbers
+from cutpoint.kernels.graphs.ports import Port, slot_names, with_numbers
 from cutpoint.kernels.graphs.precision import FLOAT32, FLOAT64, Precision
 from cutpoint.kernels.lowering.few_held import Order, fewest_held
 from cutpoint.kernels.lowering.lower import lower
@@ -136,7 +136,7 @@ def _body(graph: Graph) -> str:
     """The statements, in an order of low register pressure."""
     names: dict[int, str] = {}
     (inputs, outputs), precision = full(graph), graph.precision
-    slots = _slots(inputs)
+    slots = slot_names(inputs)
 
     def name(x: Any) -> str:
         return names[x.serial] if isinstance(x, Node) else _number(x, precision) if isinstance(x, float) else str(x)
@@ -207,7 +207,3 @@ def _number(x: float, precision: Precision) -> str:
 def _step(port: Port) -> Port:
     """The argument that holds an input's stride between configurations, in numbers: 0 if all share it."""
     return Port(f"{port.name}_step", ())
-
-
-def _slots(ports: Sequence[Port]) -> list[str]:
-    return [f"{p.name}[{k}]" for p in ports for k in range(p.size)]
