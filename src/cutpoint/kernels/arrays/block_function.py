@@ -39,7 +39,7 @@ class MachineBlocks:
     """Machine code that reads and writes blocks in place."""
 
     def __init__(self, graph: Graph, name: str, width: int) -> None:
-        from cutpoint.kernels.arrays.loop_gufunc import LoopGufunc
+        from cutpoint.kernels.arrays.gufunc import LoopGufunc
         from cutpoint.kernels.lowering.lower import lower
         from cutpoint.kernels.machine.block_loop import FUNCTION, block_loop
 

@@ -60,7 +60,7 @@ class Strided:
         return self._made
 
     def _compiled(self) -> Callable[..., Any]:
-        from cutpoint.kernels.arrays.loop_gufunc import LoopGufunc
+        from cutpoint.kernels.arrays.gufunc import LoopGufunc
         from cutpoint.kernels.arrays.packs import width_of_packs
         from cutpoint.kernels.lowering.lower import lower
         from cutpoint.kernels.machine.strided_loop import FUNCTION, strided_loop
