@@ -31,12 +31,8 @@ class LlvmProgram:
     def address(self) -> int:
         return self._code.address
 
-    def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
-        """Runs the program on checked arrays; returns the iterations of the outermost loop."""
-        return self.bound(counts, arrays)()
-
     def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
-        """`run` on these, for repeated calls."""
+        """A run on checked arrays; each call returns the iterations of the outermost loop."""
         numbers = (ctypes.c_int64 * len(self._counts))(*[counts[name] for name in self._counts])
         pointers = (ctypes.c_void_p * len(self._names))(*[arrays[name].ctypes.data for name in self._names])
         return BoundProgram(self, self._call, numbers, pointers, [*arrays.values()])

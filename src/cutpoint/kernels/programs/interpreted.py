@@ -17,14 +17,10 @@ class NumpyProgram:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
 
-    def run(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> int:
-        """Runs the program on checked arrays; returns the iterations of the outermost loop."""
-        rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
-        return self._loop(self._plan.body, counts, arrays, rows)
-
     def bound(self, counts: Mapping[str, int], arrays: Mapping[str, np.ndarray]) -> Callable[[], int]:
-        """`run` on these, for repeated calls."""
-        return lambda: self.run(counts, arrays)
+        """A run on checked arrays; each call returns the iterations of the outermost loop."""
+        rows = {name: array.reshape(-1) for name, array in arrays.items() if name not in self._plan.streamed}
+        return lambda: self._loop(self._plan.body, counts, arrays, rows)
 
     def _loop(
         self,

@@ -68,8 +68,7 @@ class Program:
         Raises:
             InputError: a count or an array is missing, unknown or does not fit.
         """
-        check_run(self.plan, counts, arrays)
-        return self._runner.run(counts, arrays)
+        return self.bound(counts, **arrays)()
 
     def bound(self, counts: Mapping[str, int], /, **arrays: np.ndarray) -> Callable[[], int]:
         """`run` with these counts and arrays, checked only once, here: for many runs on the same memory.
