@@ -64,7 +64,7 @@ class Term(NamedTuple):
 def fuse(graph: Graph, arrivals: Mapping[int, int] = _AT_ONCE, *, again: bool = False) -> Graph:
     """The graph with a * b + c, a * b - c and c - a * b as one operation wherever a * b has no other use.
 
-    arrivals: cycles after which an input slot's number is ready, where that is later than others: see `recurrence`.
+    arrivals: cycles after which an input slot's number is ready, where that is later than others: see `lowered`.
     again: for code bound by latency rather than throughput: a product used by several sums, and by nothing else, is
     recomputed in each, and signs stay, so that like sums stay alike; no sum comes before a product that could take
     one; long sums are split into three parts.
