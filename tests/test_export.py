@@ -18,7 +18,7 @@ from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.commands import app
 from cutpoint.control import PD, PID, AdaptiveVDC, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
-from cutpoint.functions.traits import TRAITS
+from cutpoint.functions.facts import FACTS
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.trajectories import cycloid
@@ -52,7 +52,7 @@ def test_an_exported_function_has_the_bits_of_the_robots_own(arm: cutpoint.Robot
             assert_same_bits(ours, theirs)
 
 
-@pytest.mark.parametrize("name", TRAITS)
+@pytest.mark.parametrize("name", FACTS)
 def test_every_function_exports_and_checks_itself(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
     options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
     paths = export_function(arm, name, tmp_path, name="f", **options)
@@ -66,7 +66,7 @@ SINGLE = (*STRICT, "-Wdouble-promotion")
 """A microcontroller whose unit has floats alone would compute doubles by software."""
 
 
-@pytest.mark.parametrize("name", TRAITS)
+@pytest.mark.parametrize("name", FACTS)
 def test_every_function_exports_in_single_precision(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
     options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
     export_function(arm, name, tmp_path, name="f", precision="float32", **options)

@@ -11,8 +11,8 @@ from cutpoint import definitions, door
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.functions import configurations, variants
-from cutpoint.functions.compiled import RobotKernels
-from cutpoint.functions.plain import PLAIN, Functions
+from cutpoint.functions.compiled import Functions, RobotKernels
+from cutpoint.functions.facts import FACTS
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.bodies.rigid_body import parameters_of
 from cutpoint.mechanics.bodies.spatial import ZERO, Pose
@@ -282,7 +282,7 @@ class Robot:
         if made is None:
             door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
             definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
-            made = self._function(("jacobian", frame, expressed_in), definition, "q")
+            made = self._function(("jacobian", frame, expressed_in), FACTS["jacobian"]._replace(definition=definition))
         return made(q)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
@@ -290,7 +290,7 @@ class Robot:
         made = self._known(("frame_pose", frame))
         if made is None:
             definition = partial(definitions.frame_pose, frame=self._frame(frame))
-            made = self._function(("frame_pose", frame), definition, "q")
+            made = self._function(("frame_pose", frame), FACTS["frame_pose"]._replace(definition=definition))
         return made(q)
 
     def velocity_map(self, q: ArrayLike) -> Array:
@@ -378,7 +378,8 @@ class Robot:
         if made is None:
             inputs = variants.motion_names(needed) + ("" if strains is None else " strains")
             definition = partial(definitions.elastic_inverse_dynamics, options=Options(friction_rates, quasi_rigid))
-            made = self._function(key, definition, inputs, True, ElasticTorques)
+            facts = FACTS["elastic_inverse_dynamics"]._replace(definition=definition, inputs=inputs)
+            made = self._function(key, facts)
         return made(*given)
 
     @cached_property
@@ -564,19 +565,19 @@ class Robot:
         """A function with further inputs of these names."""
         if not extra:
             return self._functions[name]
-        plain = PLAIN[name]
-        inputs = " ".join([plain.inputs, *extra])
-        return self._function((name, *extra), *plain._replace(inputs=inputs))
+        facts = FACTS[name]
+        return self._function((name, *extra), facts._replace(inputs=" ".join([facts.inputs, *extra])))
 
     def _under_wrenches(self, name: str, given: Sequence[ArrayLike], external: Mapping[str, ArrayLike]) -> Array:
         """A function of a motion whose robot bears wrenches, compiled for their frames."""
         wrenches = variants.checked_wrenches(name, external, self.mechanism.frames)
         if not wrenches:
             return self._functions[name](*given)
-        plain = PLAIN[name]
-        inputs = " ".join([plain.inputs, *(f"wrench_{k}" for k in range(len(wrenches)))])
-        definition = variants.on_frames(plain.definition, tuple(wrenches))
-        return self._function((name, *wrenches), definition, inputs)(*given, *wrenches.values())
+        facts = FACTS[name]
+        inputs = " ".join([facts.inputs, *(f"wrench_{k}" for k in range(len(wrenches)))])
+        definition = variants.on_frames(facts.definition, tuple(wrenches))
+        made = self._function((name, *wrenches), facts._replace(definition=definition, inputs=inputs))
+        return made(*given, *wrenches.values())
 
     @property
     def _ratios(self) -> Array:

@@ -21,7 +21,7 @@ from c_builds import assert_same_bits
 from cutpoint import InputError
 from cutpoint.commands import app
 from cutpoint.export import export_function
-from cutpoint.functions.traits import TRAITS
+from cutpoint.functions.facts import FACTS
 from cutpoint.kernels import Kernel, compile
 from cutpoint.kernels.graphs.nodes import CONDITIONS, PRIMITIVES
 from cutpoint.kernels.lowering.lower import lower
@@ -199,7 +199,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(tmp_path: Path) -> Non
         kernel.to_cuda(tmp_path / "law.cu")
 
 
-@pytest.mark.parametrize("function", TRAITS)
+@pytest.mark.parametrize("function", FACTS)
 def test_every_function_of_a_robot_exports_to_cuda(function: str, tmp_path: Path) -> None:
     options = {"frame": "link6"} if function in ("jacobian", "frame_pose") else {}
     paths = export_function(cutpoint.robots.xia2019(), function, tmp_path, to="cuda", name="f", **options)

@@ -9,12 +9,12 @@ from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import above_zero, app, say_path
 from cutpoint.errors import InputError
-from cutpoint.functions.traits import TRAITS
+from cutpoint.functions.facts import FACTS
 from cutpoint.mechanics.kinematics import ExpressedIn
 
 HELP = f"""Write a robot's function, or a control law's step, as code for machines without Python.
 
-C99 comes with a bit-exact self-test; functions can also be exported as CUDA C.  Functions: {", ".join(TRAITS)}."""
+C99 comes with a bit-exact self-test; functions can also be exported as CUDA C.  Functions: {", ".join(FACTS)}."""
 
 
 @app.command(help=HELP, epilog="Example: cutpoint export xia2019 --function elastic_inverse_dynamics --to c deployed")

@@ -19,6 +19,7 @@ from cutpoint.door import LARGEST, check_truths
 from cutpoint.drive_slopes import STATE, EffortSlopes
 from cutpoint.errors import InputError
 from cutpoint.functions.compiled import RobotKernels, compiled_of
+from cutpoint.functions.facts import FACTS, Facts
 from cutpoint.functions.variants import motion_names, wrong_motion
 from cutpoint.mechanics.elastic_inverse import Options
 from cutpoint.robot import Robot
@@ -56,12 +57,11 @@ def inverse_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> 
         InputError: a wrong shape, a number that is not finite or beyond 1e15, or a robot of too many bodies: more than
             4000, or than 500 where loops do not support it.
     """
-    if made := _kernels_of(robot).functions.get(("inverse_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get("inverse_dynamics_derivatives"):
         return made(q, v, a)
     if not _is_looped(robot) and sweeps.is_swept(robot):
         return InverseDynamicsDerivatives(*sweeps.inverse_dynamics(robot, q=q, v=v, a=a))
-    definition = definitions.inverse_dynamics
-    return _function(robot, "inverse_dynamics", definition, "q v a", record=InverseDynamicsDerivatives)(q, v, a)
+    return _function(robot, "inverse_dynamics", definitions.inverse_dynamics, InverseDynamicsDerivatives)(q, v, a)
 
 
 def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> ForwardDynamicsDerivatives[Array]:
@@ -75,15 +75,14 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
             accelerations beyond 1e15.
         ModelError: a joint can move without moving any inertia.
     """
-    if made := _kernels_of(robot).functions.get(("forward_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get("forward_dynamics_derivatives"):
         return made(q, v, tau)
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
         d_q, d_v, M = _rigid_at(robot, "forward_dynamics", q, v, a)
         solver, position = _solver(robot), np.asarray(q, dtype=np.float64)
         return ForwardDynamicsDerivatives(*large.forward_dynamics(position, d_q, d_v, M, solver))
-    definition = definitions.forward_dynamics
-    return _function(robot, "forward_dynamics", definition, "q v tau", record=ForwardDynamicsDerivatives)(q, v, tau)
+    return _function(robot, "forward_dynamics", definitions.forward_dynamics, ForwardDynamicsDerivatives)(q, v, tau)
 
 
 def elastic_inverse_dynamics(
@@ -131,14 +130,14 @@ def elastic_forward_dynamics(
     Raises:
         InputError, ModelError: as for `forward_dynamics`.
     """
-    if made := _kernels_of(robot).functions.get(("elastic_forward_dynamics_derivatives", None)):
+    if made := _kernels_of(robot).functions.get("elastic_forward_dynamics_derivatives"):
         return made(q, v, theta, theta_dot, motor_torque)
-    name, inputs = "elastic_forward_dynamics", " ".join(STATE)
+    name = "elastic_forward_dynamics"
     state = dict(zip(STATE, (q, v, theta, theta_dot, motor_torque), strict=True))
     if elastic_loops(robot):
         a = robot.elastic_forward_dynamics(**state).a
-        function = _kernels_of(robot).function
-        slopes = function("drive_slopes", definitions.drive_slopes, inputs, True, EffortSlopes)(*state.values())
+        of_drives = Facts(" ".join(STATE), definitions.drive_slopes, reads_drives=True, record=EffortSlopes)
+        slopes = _kernels_of(robot).function("drive_slopes", of_drives)(*state.values())
         d_q, d_v, M = _rigid_at(robot, name, q, v, a)
         solver = _solver(robot)
         position = np.asarray(q, dtype=np.float64)
@@ -147,7 +146,7 @@ def elastic_forward_dynamics(
     if sweeps.is_swept(robot):
         return ElasticForwardDynamicsDerivatives(*sweeps.elastic_forward_dynamics(robot, **state))
     definition, record = definitions.elastic_forward_dynamics, ElasticForwardDynamicsDerivatives
-    return _function(robot, name, definition, inputs, True, record=record)(*state.values())
+    return _function(robot, name, definition, record)(*state.values())
 
 
 _ELASTIC_INVERSE = "elastic_inverse_dynamics_derivatives"
@@ -170,8 +169,8 @@ def _elastic_inverse(robot: Robot, needed: int, options: Options) -> Callable[..
         raise sweeps.too_large(bodies, most)
     definition = partial(definitions.elastic_inverse_dynamics, options=options)
     record = MotorTorqueDerivatives if needed == 4 else None
-    inputs = motion_names(needed)
-    return compiled.function((_ELASTIC_INVERSE, options), definition, inputs, True, record)
+    facts = FACTS[_ELASTIC_INVERSE]._replace(definition=definition, inputs=motion_names(needed), record=record)
+    return compiled.function((_ELASTIC_INVERSE, options), facts)
 
 
 def elastic_loops(robot: Robot) -> bool:
@@ -207,14 +206,8 @@ def _is_looped(robot: Robot) -> bool:
 
 
 def _function(
-    robot: Robot,
-    name: str,
-    definition: Callable[..., Any],
-    inputs: str,
-    reads_drives: bool = False,
-    *,
-    record: type[tuple[Any, ...]],
+    robot: Robot, name: str, definition: Callable[..., Any], record: type[tuple[Any, ...]]
 ) -> Callable[..., Any]:
     """One of the robot's own functions, so that it knows the kernel: `robot.kernel(name + "_derivatives")`."""
-    key = (f"{name}_derivatives", None)
-    return _kernels_of(robot).function(key, definition, inputs, reads_drives, record)
+    key = f"{name}_derivatives"
+    return _kernels_of(robot).function(key, FACTS[key]._replace(definition=definition, record=record))

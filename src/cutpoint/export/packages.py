@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cutpoint import derivatives
 from cutpoint.control.interface import Control, start_of
@@ -16,18 +15,10 @@ from cutpoint.control.law import law_in_words
 from cutpoint.derivatives import in_c
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
-from cutpoint.export.notes import (
-    PER_DRIVE,
-    drive_labels,
-    has_guard,
-    labels_of,
-    left_out_of,
-    notes_of,
-    notes_of_law,
-    result_of,
-)
+from cutpoint.export.notes import drive_labels, has_guard, labels_of, left_out_of, notes_of, notes_of_law, result_of
 from cutpoint.functions.compiled import compiled_of
-from cutpoint.functions.traits import TRAITS
+from cutpoint.functions.facts import FACTS
+from cutpoint.functions.variants import motion_names
 from cutpoint.kernels.graphs.precision import PRECISIONS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
@@ -55,7 +46,7 @@ def export_function(
 ) -> tuple[Path, ...]:
     """Writes one of a robot's functions as a package of C99, or as CUDA C; returns the files' paths.
 
-    function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of TRAITS.
+    function: a method's name, or a function's of `cutpoint.derivatives` with "_derivatives" behind it: one of FACTS.
     folder: of the package; created with its parents if missing.  Files that an earlier export wrote are replaced.
     to: "c" or "cuda".  precision: "float64" or "float32".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
@@ -86,7 +77,7 @@ def export_function(
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
     graph = replace(fresh.kernel(function).graph, precision=PRECISIONS[precision])
-    if named := TRAITS[function].result:
+    if named := FACTS[function].result:
         (port,) = graph.outputs
         graph = replace(graph, outputs=(replace(port, name=named),))
     notes = notes_of(robot, graph, about, values, result)
@@ -141,8 +132,8 @@ def _check_words(**given: str) -> None:
     """Raises InputError for a function, a target or a precision that there is not, and for what is no name."""
     for key, text in given.items():
         check_kind("export_function", key, text, str, "a name")
-    if given["function"] not in TRAITS:
-        raise unknown_name("function to export", given["function"], TRAITS)
+    if given["function"] not in FACTS:
+        raise unknown_name("function to export", given["function"], FACTS)
     if given["to"] not in _WRITERS:
         raise unknown_name("target of export", given["to"], _WRITERS)
     _check_precision(given["precision"])
@@ -171,7 +162,7 @@ def _passing(period: float, steps: np.ndarray) -> np.ndarray:
 def _as_loops(robot: Robot, function: str) -> tuple[Source, Callable[..., Any]] | None:
     """A function that has been called, in C and on arrays, if it runs as loops that leave as C."""
     if loops := compiled_of(robot).looping(function):
-        named = TRAITS[function].result
+        named = FACTS[function].result
         return loops.to_c(*([named] if named else [])), loops
     return in_c.forward_dynamics(robot) if function == "forward_dynamics_derivatives" else None
 
@@ -189,25 +180,20 @@ def _neutral_arguments(
 
     Raises InputError for missing or unknown options.
     """
-    arguments: list[Any] = []
-    known = inspect.signature(called).parameters
+    inputs, parameters = FACTS[function].inputs, inspect.signature(called).parameters
+    if any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
+        inputs = motion_names(4 if options.get("quasi_rigid") else robot.derivatives_needed)
+    known = {k: p for k, p in parameters.items() if k not in inputs.split() and p.kind is not p.VAR_POSITIONAL}
     for key in options:
-        if key not in known or known[key].annotation is ArrayLike:
-            raise unknown_name(
-                f"option of {function}", key, [k for k, p in known.items() if p.annotation is not ArrayLike]
-            )
+        if key not in known:
+            raise unknown_name(f"option of {function}", key, known)
     for key, parameter in known.items():
-        if parameter.kind is parameter.VAR_POSITIONAL:
-            further = 0 if options.get("quasi_rigid") else robot.derivatives_needed - 4
-            arguments += [np.zeros(robot.nv)] * further
-        elif parameter.annotation is ArrayLike:
-            arguments.append(_neutral(robot, key))
-        elif key not in options and parameter.default is parameter.empty:
+        if key not in options and parameter.default is parameter.empty:
             raise InputError(f"{function}: give {key}= (--{key} on the command line)", name=key)
-    return arguments
+    return [_neutral(robot, key) for key in inputs.split()]
 
 
 def _neutral(robot: Robot, key: str) -> Any:
     if key in ("q", "q_next"):
         return robot.neutral()
-    return 1e-3 if key == "dt" else np.zeros(len(robot.drives) if key in PER_DRIVE else robot.nv)
+    return 1e-3 if key == "dt" else np.zeros(compiled_of(robot).size_of(key))

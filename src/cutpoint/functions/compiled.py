@@ -9,18 +9,17 @@ from dataclasses import replace
 from functools import cached_property
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
+from weakref import WeakMethod
 
 import numpy as np
 
 from cutpoint import kernels
 from cutpoint.definitions import Machine
 from cutpoint.errors import InputError, those_that_exist
+from cutpoint.functions.facts import FACTS, Facts
 from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.functions.motionless import with_empty_matrices
-from cutpoint.functions.plain import Functions
 from cutpoint.functions.quaternions import quaternions_of, with_quaternions
 from cutpoint.functions.robot_function import RobotFunction
-from cutpoint.functions.traits import traits_of
 from cutpoint.kernels import Kernel
 from cutpoint.mechanics.assembly.assembly import lean_framing, system_of
 from cutpoint.mechanics.assembly.reframing import Framing
@@ -30,7 +29,6 @@ from cutpoint.model import Drive, Mechanism
 from cutpoint.model.mechanism import frozen
 from cutpoint.rolled import (
     DERIVATIVES,
-    JointByJoint,
     RolledFunction,
     check_compiles,
     joint_by_joint,
@@ -42,6 +40,8 @@ from cutpoint.scalars import leaves, rebuild, structure_of
 
 if TYPE_CHECKING:
     from cutpoint.rolled.equations.solver import Solver
+
+Function = Callable[..., Any]
 
 
 def machine_of(mechanism: Mechanism, drives: Mapping[str, Drive], framing: Framing | None = None) -> Machine:
@@ -83,7 +83,7 @@ class RobotKernels:
         self._rotors_are_felt = any(rotor_is_felt(drive) for drive in drives.values())
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
-        self._shared: dict[Any, tuple[RobotFunction, Callable[..., Any]]] = {}
+        self._shared: dict[Any, tuple[RobotFunction, Function]] = {}
         self._loops: dict[str, RolledFunction | None] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
@@ -140,66 +140,44 @@ class RobotKernels:
         driven = [replace(old, drive=drive) for old, drive in zip(self.machine.drives, new.values(), strict=True)]
         return Machine((self.lean if lean else self.machine).system, driven)
 
-    def function(
-        self,
-        key: Any,
-        definition: Callable[..., Any],
-        inputs: str,
-        reads_drives: bool = False,
-        record: type[tuple[Any, ...]] | None = None,
-    ) -> Callable[..., Any]:
+    def function(self, key: Any, facts: Facts) -> Function:
         """A definition, on a Machine and lists of scalars, as a function of arrays; compiled at its first use.
 
-        Args:
-            key: its name; with what the definition closes over, a tuple that begins with its name.
-            inputs: their names in order, separated by spaces.
-            reads_drives: whether the definition needs the drives.
-            record: the NamedTuple that holds the outputs.
-
-        Raises:
-            ModelError: it divides by inertia, and a joint moves none.
+        key: its name; with what the definition closes over, a tuple that begins with its name.
+        Raises ModelError if it divides by inertia, and a joint moves none.
         """
         found = self.functions.get(key)
         if found is None:
-            name = name_of(key)
-            if traits_of(name).divides:
+            name, inputs = name_of(key), facts.inputs.split()
+            if facts.divides:
                 check_moves_inertia(self._mechanism, self.machine)
-            found = self._made(key, definition, inputs.split(), reads_drives, record)
+            found = self._made(key, facts)
             if self.quaternions:
                 nq = self.machine.system.nq
-                found = with_quaternions(found, name, inputs.split(), self.quaternions, nq, self._backend)
-            if traits_of(name).is_matrix and not self.machine.system.nv:
-                found = with_empty_matrices(found)
+                found = with_quaternions(found, name, inputs, self.quaternions, nq, self._backend)
+            if facts.is_matrix and not self.machine.system.nv:
+                found = _with_empty_matrices(found)
             self.functions[key] = found
         return found
 
-    def _made(
-        self,
-        key: Any,
-        definition: Callable[..., Any],
-        inputs: Sequence[str],
-        reads_drives: bool,
-        record: type[tuple[Any, ...]] | None,
-    ) -> Callable[..., Any]:
+    def _made(self, key: Any, facts: Facts) -> Function:
         """A function as loops over bodies, if these support it and pay off, or as a kernel: code without loops."""
-        name, loops = name_of(key), rolled(key, self.machine, self._backend, record)
-        looping = loops.quick() if loops else self._joint_by_joint(key, definition, inputs, reads_drives)
-        if looping:
+        name, sizes = name_of(key), {x: self.size_of(x) for x in facts.inputs.split()}
+        assert facts.definition is not None
+        if loops := rolled(key, self.machine, self._backend, facts.record):
             self._loops[name] = loops
-            return looping
+            return loops.quick()
+        machine = self.machine if facts.reads_drives else self.machine._replace(drives=[])
+        if by_joint := joint_by_joint(key, facts.definition, sizes, machine, self._backend):
+            self.remember_as_loops(name)
+            return by_joint
         check_compiles(name, self.machine.system, self._backend)
         if key not in self._shared:
-            made = self._compile(name, definition, inputs, reads_drives, record)
+            made = self._compile(name, facts, sizes)
             self._shared[key] = made, made.quick()
         made, quick = self._shared[key]
         self._kernels[name] = made.kernel
         return quick if made.knows(self.parameters) else made.bound_to(self.parameters).quick()
-
-    def _joint_by_joint(
-        self, key: Any, definition: Callable[..., Any], inputs: Sequence[str], reads_drives: bool
-    ) -> JointByJoint | None:
-        machine = self.machine if reads_drives else self.machine._replace(drives=[])
-        return joint_by_joint(key, definition, {x: self.size_of(x) for x in inputs}, machine, self._backend)
 
     @cached_property
     def solver(self) -> "Solver":
@@ -226,25 +204,44 @@ class RobotKernels:
             raise InputError(told, name=name, known=[*self._kernels])
         return self._kernels[name]
 
-    def _compile(
-        self,
-        name: str,
-        definition: Callable[..., Any],
-        inputs: Sequence[str],
-        reads_drives: bool,
-        record: type[tuple[Any, ...]] | None,
-    ) -> RobotFunction:
+    def _compile(self, name: str, facts: Facts, sizes: Mapping[str, int | tuple[()]]) -> RobotFunction:
         """Compiles, with the drives' parameters as an input if the definition reads drives or links feel a rotor."""
-        sizes = {x: self.size_of(x) for x in inputs}
-        counts = reads_drives or (self._rotors_are_felt and not traits_of(name).ignores_rotors)
+        counts = facts.reads_drives or (self._rotors_are_felt and not facts.ignores_rotors)
         parametric = bool(self.parameters.size) and counts
-        lean = traits_of(name).lean
+        definition = facts.definition
+        assert definition is not None
 
         def traced(**given: Any) -> Any:
             if parametric:
-                return definition(self.with_parameters(given.pop("parameters"), lean), **given)
-            return definition(self.lean if lean else self.machine, **given)
+                return definition(self.with_parameters(given.pop("parameters"), facts.lean), **given)
+            return definition(self.lean if facts.lean else self.machine, **given)
 
         shapes = {**sizes, "parameters": self.parameters.size} if parametric else sizes
         kernel = kernels.compile(traced, name=name, backend=self._backend, **shapes)
-        return RobotFunction(name, kernel, sizes, [self.parameters] if parametric else [], record)
+        return RobotFunction(name, kernel, sizes, [self.parameters] if parametric else [], facts.record)
+
+
+class Functions(dict[Any, Function]):
+    """Compiled functions, by name or by a tuple that begins with it; those of a name alone are made at first use."""
+
+    def __init__(self, make: Function) -> None:
+        """make: a method that makes the function of a name and its facts, and puts it here."""
+        super().__init__()
+        self._make = WeakMethod(make)  # weak, since its object holds these: code is freed with the robot
+
+    def __missing__(self, name: str) -> Function:
+        make = self._make()
+        assert make is not None, "a robot holds what makes its functions"
+        return make(name, FACTS[name])
+
+
+def _with_empty_matrices(function: Function) -> Function:
+    """The function of a robot without moving joints, whose kernel loses the columns of matrices without rows."""
+
+    def shaped(*given: Any) -> Any:
+        found = function(*given)
+        if isinstance(found, tuple):
+            return tuple.__new__(type(found), [x.reshape(*x.shape, 0) for x in found])
+        return found.reshape(*found.shape, 0)
+
+    return shaped

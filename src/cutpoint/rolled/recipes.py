@@ -66,7 +66,7 @@ def _elastic_derivatives(options: Options) -> Recipe:
     )
 
 
-DERIVATIVES = ("inverse_dynamics_derivatives", None)
+DERIVATIVES = "inverse_dynamics_derivatives"
 """Of rigid dynamics; those of forward dynamics follow from them."""
 
 RECIPES: Mapping[Any, Recipe] = {
