@@ -83,8 +83,7 @@ def _hindrance(key: Any, machine: Machine) -> str | None:
     asked = without_frame(key)[0]
     if asked not in RECIPES:
         return RECIPES[name_of(key)].unsupported_inputs
-    recipe = RECIPES[asked]
-    return unsuited(machine, recipe.reads_drives, recipe.takes_coupled, recipe.takes_geared, recipe.takes_base)
+    return unsuited(machine, RECIPES[asked])
 
 
 def name_of(key: Any) -> str:

@@ -10,6 +10,7 @@ from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import base_of, bodies_of
 from cutpoint.rolled.drives import models_of
+from cutpoint.rolled.recipes import Recipe
 
 LEAST = {"coriolis_matrix": 8, "regressor": 9, "velocity_map": 3}
 """Operations for each pair of a body and a joint that turns it: half of what chains with parallel axes take, counted on
@@ -19,25 +20,19 @@ MOST_STRUCTURES = 6
 """Of drives: each body computes what it would do with every one of them, and chooses."""
 
 
-def unsuited(
-    machine: Machine, reads_drives: bool, takes_coupled: bool, takes_geared: bool, takes_base: bool
-) -> str | None:
-    """Why loops do not support the machine, or None: each body but a floating base needs one coordinate of its own.
-
-    reads_drives: whether drives take part; takes_coupled, takes_geared: also with rotors with full coupling, behind
-    springs or geared rigidly; takes_base: also with such a base.
-    """
-    if base_of(machine.system) and not takes_base:
+def unsuited(machine: Machine, recipe: Recipe) -> str | None:
+    """Why loops do not support the machine, or None: each body but a floating base needs one coordinate of its own."""
+    if base_of(machine.system) and not recipe.takes_base:
         return f"a base that moves freely, by joint {machine.system.segments[0].name!r}"
     for spin in machine.system.spins:
-        if not spin.elastic and not takes_geared:
+        if not spin.elastic and not recipe.takes_geared:
             return f"rigidly geared rotors with full coupling, as at {machine.system.segments[spin.joint].name!r}"
     for body in (machine.system.segments[i] for i in bodies_of(machine.system)):
         if body.follower:
             return f"the joint of {body.name!r}, which follows another"
         if type(body.joint) not in (Revolute, Prismatic, Helical):
             return f"the joint of {body.name!r}, of kind {type(body.joint).__name__.lower()}"
-    return _odd_drive(machine, takes_coupled) if reads_drives else None
+    return _odd_drive(machine, recipe.takes_coupled) if recipe.reads_drives else None
 
 
 def _odd_drive(machine: Machine, takes_coupled: bool) -> str | None:
