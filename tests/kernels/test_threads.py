@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from cutpoint import InputError
-from cutpoint.kernels import Kernel, compile
+from cutpoint.kernels import Kernel, compile, graph_of
 from cutpoint.kernels.arrays import threads
-from cutpoint.kernels.graphs.ports import Port
 from cutpoint.scalars import exp, sin
 
 RNG = np.random.default_rng(7)
@@ -103,8 +102,7 @@ def run_in_two(call: Callable[[np.ndarray, np.ndarray, bool], None], x: np.ndarr
             meeting.wait()
         call(part, out[0], me != mine)
 
-    port = Port("x", ())
-    return threads.Threaded([port], [port], 1, met)(2, [x], None)
+    return threads.Threaded(graph_of(lambda x: x, x=()), 1, met)(2, [x], None)
 
 
 def test_nothing_returns_before_the_last_thread_has_finished() -> None:

@@ -1,23 +1,22 @@
 """Kernels on blocks: for batches stored as (blocks, *shape, width), which need no transposition."""
 
 from dataclasses import replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from cutpoint.errors import InputError
-from cutpoint.kernels.arrays.arguments import as_numbers, as_plain, explained, in_order
+from cutpoint.kernels.arrays.arguments import as_numbers
+from cutpoint.kernels.arrays.array_call import Call
 from cutpoint.kernels.arrays.block_function import block_function, wide
 from cutpoint.kernels.arrays.function import Function
-from cutpoint.kernels.arrays.threads import Threaded, thread_count
 from cutpoint.kernels.graphs.graph import Graph
-from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+from cutpoint.kernels.graphs.precision import Precision
 from cutpoint.kernels.machine.llvm_code import LINE
 from cutpoint.kernels.machine.waiting import shown
 
 
-class Blocks:
+class Blocks(Call):
     """A kernel on elements interleaved `width` at a time: an input of shape (n,) is given as (blocks, n, width).
 
     Leading axes are a batch of blocks and broadcast.  A last axis of length 1 is broadcast over the block, so that
@@ -33,8 +32,8 @@ class Blocks:
         with shown(f"{name} for blocks"):
             self._function = block_function(graph, name, function)
         self.width, self._whole = self._function.width, self._function.whole()
-        self._name, self._make = name, record and record._make  # type: ignore[attr-defined]
-        self._wide = replace(graph, inputs=wide(graph.inputs, self.width), outputs=wide(graph.outputs, self.width))
+        ports = {"inputs": wide(graph.inputs, self.width), "outputs": wide(graph.outputs, self.width)}
+        super().__init__(name, replace(graph, **ports), record, len(graph.nodes) * self.width)
 
     def __call__(self, *arguments: Any, out: Any = None, threads: int | None = None, **named: Any) -> Any:
         """The outputs, (..., *shape, width) each; called as the kernel is.
@@ -47,21 +46,7 @@ class Blocks:
             found = self._whole(arguments, out)
             if found is not None:
                 return found if self._make is None else self._made(found)
-        ordered = in_order(self._name, self._wide.inputs, arguments, named)
-        plain = [as_plain(self._name, p, x) for p, x in zip(self._wide.inputs, ordered, strict=True)]
-        given = [self._spread(x) for x in plain]
-        count = 1 if threads is None else thread_count(self._name, threads)
-        try:
-            if self._wide.precision is not FLOAT64:
-                given = [as_numbers(x, self._wide.precision) for x in given]
-            result = self._function.call(*given, out=out) if count == 1 else self._threaded(count, given, out)
-        except (TypeError, ValueError) as error:
-            raise explained(self._name, self._wide, given, out, error) from None
-        return result if self._make is None else self._made(result)
-
-    def _made(self, result: Any) -> Any:
-        assert self._make is not None
-        return self._make(result if len(self._wide.outputs) > 1 else (result,))
+        return self._called(arguments, named, out, threads)
 
     def of(self, rows: Any) -> np.ndarray:
         """Blocks, (blocks, *shape, width), of an array of rows, (count, *shape); the last row pads the last block.
@@ -72,7 +57,7 @@ class Blocks:
         array = self._numbers("rows", rows)
         if not array.ndim:
             raise InputError(f"{self._name}: an array of shape {array.shape} has no rows to make blocks of")
-        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._wide.precision)
+        blocks = _aligned((-(-len(array) // self.width), *array.shape[1:], self.width), self._graph.precision)
         full = len(array) // self.width
         blocks[:full] = np.moveaxis(array[: full * self.width].reshape(full, self.width, *array.shape[1:]), 1, -1)
         rest = array[full * self.width :]
@@ -105,23 +90,20 @@ class Blocks:
         if np.ma.is_masked(given):
             raise InputError(f"{self._name}: {what} have masked numbers: fill them in, or leave these out")
         try:
-            return as_numbers(given, self._wide.precision)
+            return as_numbers(given, self._graph.precision)
         except (TypeError, ValueError, OverflowError) as error:
             raise InputError(f"{self._name}: {what} must be an array of real numbers: {error}") from None
 
-    def _spread(self, x: Any) -> Any:
+    def _run(self, *arguments: Any, out: Any) -> Any:
+        return self._function.call(*arguments, out=out)
+
+    def _spread(self, argument: Any) -> Any:
         """Numbers shared by a whole block, broadcast to its width."""
         try:
-            array = np.atleast_1d(x)
+            array = np.atleast_1d(argument)
         except ValueError:  # explained elsewhere
-            return x
-        return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else x
-
-    @cached_property
-    def _threaded(self) -> Threaded:
-        operations = len(self._wide.nodes) * self.width
-        ports = (self._wide.inputs, self._wide.outputs)
-        return Threaded(*ports, operations, self._function.call, self._wide.precision)
+            return argument
+        return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else argument
 
 
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:

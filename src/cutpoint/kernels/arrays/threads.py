@@ -10,8 +10,8 @@ import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays.arguments import as_numbers, batch_shape
-from cutpoint.kernels.graphs.ports import Port, Shape
-from cutpoint.kernels.graphs.precision import FLOAT64, Precision
+from cutpoint.kernels.graphs.graph import Graph
+from cutpoint.kernels.graphs.ports import Shape
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ThreadPoolExecutor
@@ -29,16 +29,9 @@ _ALIGNED = 16  # parts end at pack boundaries
 class Threaded:
     """Runs a function of arrays on parts of a batch."""
 
-    def __init__(
-        self,
-        inputs: Sequence[Port],
-        outputs: Sequence[Port],
-        operations: int,
-        call: Callable[..., Any],
-        precision: Precision = FLOAT64,
-    ) -> None:
-        """call(*arrays, out=None): elements, of so many operations, are independent of each other and broadcast."""
-        self._inputs, self._outputs, self._call, self._precision = inputs, outputs, call, precision
+    def __init__(self, graph: Graph, operations: int, call: Callable[..., Any]) -> None:
+        """call(*arrays, out): elements, of so many operations, are independent of each other and broadcast."""
+        self._inputs, self._outputs, self._precision, self._call = graph.inputs, graph.outputs, graph.precision, call
         self._least = CHUNK // max(operations, 1)
 
     def __call__(self, threads: int, arguments: Sequence[Any], out: Any) -> Any:
