@@ -80,8 +80,8 @@ def forward_dynamics(robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -
     if _is_looped(robot) or sweeps.is_swept(robot):
         a = robot.forward_dynamics(q, v, tau)
         d_q, d_v, M = _rigid_at(robot, "forward_dynamics", q, v, a)
-        solver, position = _solver(robot), np.asarray(q, dtype=np.float64)
-        return ForwardDynamicsDerivatives(*large.forward_dynamics(position, d_q, d_v, M, solver))
+        found = large.solved(q, M, [d_q, d_v], _solver(robot), "forward_dynamics_derivatives")
+        return ForwardDynamicsDerivatives(*found)
     return _function(robot, "forward_dynamics", definitions.forward_dynamics, ForwardDynamicsDerivatives)(q, v, tau)
 
 
@@ -139,9 +139,7 @@ def elastic_forward_dynamics(
         of_drives = Facts(" ".join(STATE), definitions.drive_slopes, reads_drives=True, record=EffortSlopes)
         slopes = _kernels_of(robot).function("drive_slopes", of_drives)(*state.values())
         d_q, d_v, M = _rigid_at(robot, name, q, v, a)
-        solver = _solver(robot)
-        position = np.asarray(q, dtype=np.float64)
-        found = large.elastic_forward_dynamics(robot.machine.drives, position, d_q, d_v, M, slopes, solver)
+        found = large.elastic_forward_dynamics(robot.machine.drives, q, d_q, d_v, M, slopes, _solver(robot))
         return ElasticForwardDynamicsDerivatives(*found)
     if sweeps.is_swept(robot):
         return ElasticForwardDynamicsDerivatives(*sweeps.elastic_forward_dynamics(robot, **state))

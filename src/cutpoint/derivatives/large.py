@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_blas_funcs, get_lapack_funcs
 
 from cutpoint.arrays import Array
@@ -24,18 +24,9 @@ _factors, _inverse = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 _product: Any = get_blas_funcs("gemm", dtype=np.float64)
 
 
-def forward_dynamics(q: Array, d_q: Array, d_v: Array, M: Array, solver: "Solver | None") -> Sequence[Array]:
-    """d a / d (q, v, tau), each (..., nv, nv), from those of inverse dynamics.
-
-    Raises:
-        InputError: see `inverse_of`.
-    """
-    return _solved(q, M, [d_q, d_v], solver, "forward_dynamics_derivatives")
-
-
 def elastic_forward_dynamics(
     drives: Sequence[Driven],
-    q: Array,
+    q: ArrayLike,
     d_q: Array,
     d_v: Array,
     M: Array,
@@ -56,7 +47,7 @@ def elastic_forward_dynamics(
     B = d_q.copy(), d_v.copy()
     for x, slope in zip(B, slopes[:2], strict=True):
         x[..., links, links] -= slope
-    *d_a, inverse = _solved(q, M, B, solver, "elastic_forward_dynamics_derivatives")
+    *d_a, inverse = solved(q, M, B, solver, "elastic_forward_dynamics_derivatives")
     by_effort = inverse[..., links]
     d_a += [by_effort * slope[..., None, :] for slope in slopes[2:5]]
     # a rotor depends on its own drive's state; a rigid drive's moves with its link
@@ -67,9 +58,13 @@ def elastic_forward_dynamics(
     return [*d_a, *alpha]
 
 
-def _solved(q: Array, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> list[Array]:
-    """Each X with M X + B = 0, and the inverse of M.  Raises InputError: see `inverse_of`."""
-    found = solver(solver.state(q, M), *B) if solver else None
+def solved(q: ArrayLike, M: Array, B: Sequence[Array], solver: "Solver | None", asked: str) -> list[Array]:
+    """Each X with M X + B = 0, and the inverse of M: of d torque / d q and d v, d a / d q, d v and d tau.
+
+    Raises:
+        InputError: see `inverse_of`.
+    """
+    found = solver(solver.state(np.asarray(q, dtype=np.float64), M), *B) if solver else None
     if found is None:
         inverse = inverse_of(M, asked)
         found = [*(_less_products(inverse, b) for b in B), inverse]
