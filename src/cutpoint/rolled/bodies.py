@@ -13,12 +13,12 @@ import numpy as np
 from cutpoint.mechanics.bodies.joints import Helical, Prismatic
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.rotors import Spin
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Driven, Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
-from cutpoint.rolled.packing import pose_by_columns
-from cutpoint.rolled.subsystem import OneAxis, Subsystem, mat3, vec3
+from cutpoint.rolled.packing import mat3_of, pose_by_columns
+from cutpoint.rolled.subsystem import OneAxis, Subsystem
 from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
 FIELDS = {
@@ -142,15 +142,16 @@ class Columns:
 
     def subsystem(self, read: Iterable[Scalar]) -> Subsystem:
         """The body whose row holds these."""
-        row = iter(self._whole(read))
-        pose = Pose(mat3(row), vec3(row))
-        inertia = inertia_of([next(row) for _ in range(10)])
-        joint, armature, axis = OneAxis(next(row), next(row)), next(row), vec3(row)
-        geared, sprung, J = next(row), next(row), next(row)
-        number, last = next(row), next(row)
+        row = self._whole(read)
+        of = {name: row[end - FIELDS[name] : end] for name, end in _ENDS.items()}
+        pose = Pose(mat3_of(of["rotation"]), Vec3(*of["position"]))
+        joint, inertia = OneAxis(*of["screw"]), inertia_of(of["inertia"])
         own = Segment("", WORLD, pose, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
+        axis, (J,) = Vec3(*of["rotor's axis"]), of["sprung inertia"]
+        (geared,), (sprung,) = of["geared momentum"], of["sprung momentum"]
         spin = None if is_plain_zero(geared) else Spin(0, 0, axis, 0, geared, False)
         behind = None if is_plain_zero(sprung) else Spin(0, 0, axis, J, sprung, True)
+        (armature,), (number,), (last,) = of["armature"], of["number"], of["last carried"]
         return Subsystem(own, armature, spin, number, last, behind)
 
     def along_the_world(self, read: Iterable[Scalar], turned: Sequence[Scalar]) -> Subsystem:
@@ -159,7 +160,7 @@ class Columns:
 
     def to_user_axes(self, read: Iterable[Scalar]) -> Mat3:
         """The user's axes of the body whose row holds these, along its own axes."""
-        return mat3(iter(self._whole(read)[-9:]))
+        return mat3_of(self._whole(read)[-9:])
 
     def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:
         """The result of a step for the drive of the body whose row holds these."""

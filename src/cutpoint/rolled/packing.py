@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from cutpoint.mechanics.bodies.articulated import Articulated
 from cutpoint.mechanics.bodies.spatial import Mat3, Motion, Pose, Vec3, Wrench
-from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar
 
 Scalars = Sequence[Scalar]
@@ -19,6 +18,10 @@ def flat(A: Mat3) -> list[Scalar]:
     return [x for row in A for x in row]
 
 
+def mat3_of(nine: Scalars) -> Mat3:
+    return Mat3(*(Vec3(*nine[k : k + 3]) for k in (0, 3, 6)))
+
+
 def motion_of(six: Scalars) -> Motion:
     return Motion(Vec3(*six[:3]), Vec3(*six[3:]))
 
@@ -28,7 +31,7 @@ def wrench_of(six: Scalars) -> Wrench:
 
 
 def pose_of(twelve: Scalars) -> Pose:
-    return Pose(mat3(iter(twelve[:9])), Vec3(*twelve[9:]))
+    return Pose(mat3_of(twelve[:9]), Vec3(*twelve[9:]))
 
 
 def by_columns(X: Pose) -> list[Scalar]:
@@ -37,7 +40,7 @@ def by_columns(X: Pose) -> list[Scalar]:
 
 
 def pose_by_columns(twelve: Scalars) -> Pose:
-    return Pose(mat3(iter(twelve[:9])).T, Vec3(*twelve[9:]))
+    return Pose(mat3_of(twelve[:9]).T, Vec3(*twelve[9:]))
 
 
 INERTIA = 3 * 9
@@ -53,7 +56,7 @@ def packed_inertia(M: Articulated) -> list[Scalar]:
 
 
 def articulated_of(numbers: Scalars) -> Articulated:
-    return Articulated.of_blocks(*(mat3(iter(numbers[k : k + 9])) for k in (0, 9, 18)))
+    return Articulated.of_blocks(*(mat3_of(numbers[k : k + 9]) for k in (0, 9, 18)))
 
 
 def packed_resistance(M: Articulated, P: Wrench) -> list[Scalar]:

@@ -1,11 +1,11 @@
 """A body with its joint of one coordinate and the rotor that its parent carries, in its own axes or in the world's."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from cutpoint.mechanics.bodies.joints import JointMotion
 from cutpoint.mechanics.bodies.rotors import Spin, axis_of
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Pose, Vec3
 from cutpoint.mechanics.bodies.turning import about_z
 from cutpoint.mechanics.system import Segment
 from cutpoint.scalars import Scalar
@@ -64,13 +64,3 @@ class Subsystem:
         body = replace(self.body, placement=Pose(IDENTITY, X.position), joint=along, inertia=inertia)
         spins = {"spin": self.spin, "behind": self.behind}
         return replace(self, body=body, **{name: spin and replace(spin, axis=z) for name, spin in spins.items()})
-
-
-def vec3(numbers: Iterator[Scalar]) -> Vec3:
-    """The next three numbers."""
-    return Vec3(next(numbers), next(numbers), next(numbers))
-
-
-def mat3(numbers: Iterator[Scalar]) -> Mat3:
-    """The next nine numbers, row by row."""
-    return Mat3(vec3(numbers), vec3(numbers), vec3(numbers))

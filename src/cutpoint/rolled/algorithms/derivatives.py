@@ -20,9 +20,8 @@ from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, against_gravity, bo
 from cutpoint.rolled.algorithms.placing import RATES
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinship import Kinship
-from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of
+from cutpoint.rolled.packing import added, flat, mat3_of, motion_of, pose_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, WITH_RATES, Order, Pass, Steps
-from cutpoint.rolled.subsystem import mat3
 from cutpoint.scalars import Scalar, where
 
 Scalars = Sequence[Scalar]
@@ -160,7 +159,7 @@ def _costs(M: Inertia, V: Motion, A: Motion) -> list[Scalar]:
 
 
 def _cloud(carried: Scalars) -> tuple[Cloud, Wrench]:
-    return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3(iter(carried[13:22]))), wrench_of(carried[22:])
+    return Cloud(inertia_of(carried[:10]), Vec3(*carried[10:13]), mat3_of(carried[13:22])), wrench_of(carried[22:])
 
 
 def _entries(kin: Kinship, own: Sequence[Any], other: Sequence[Any]) -> list[Scalar]:
