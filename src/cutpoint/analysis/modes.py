@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from cutpoint.analysis.linear_model import LinearModel
 from cutpoint.analysis.linearize import linearize
 from cutpoint.arrays import Array, ComplexArray
-from cutpoint.functions.rotor_coupling import rotor_coupling
 from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.mechanics.drives.harmonic_drive import deflection, transmission
+from cutpoint.mechanics.rotor_coupling import rotor_coupling
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot, checked_pose
@@ -161,10 +161,10 @@ def _strain(robot: Robot, model: LinearModel, link: ComplexArray, motor: Complex
 
 
 def _kinetic(robot: Robot, model: LinearModel, poles: ComplexArray, link: ComplexArray, motor: ComplexArray) -> Array:
-    """Twice the energy of links and elastic drives' rotors, (N,): by [M, S; S^T, J], see `functions.rotor_coupling`."""
+    """Twice the energy of links and elastic drives' rotors, (N,): by [M, S; S^T, J], see `mechanics.rotor_coupling`."""
     J = np.array([d.drive.reflected_inertia if d.drive.is_elastic else 0.0 for d in robot.machine.drives])
     q, moving = model.point.q, np.hstack([link, motor])
-    S = rotor_coupling(robot.machine, q)
+    S = rotor_coupling(*robot.machine, q)
     inertia = np.block([[robot.mass_matrix(q), S], [S.T, np.diag(J)]])
     return np.abs(poles) ** 2 * np.einsum("mi,ij,mj->m", moving.conj(), inertia, moving).real
 

@@ -9,10 +9,10 @@ from cutpoint import definitions
 from cutpoint.definitions import Machine
 from cutpoint.errors import ModelError, listed
 from cutpoint.functions.configurations import at_random
-from cutpoint.functions.rotor_coupling import rotor_coupling, without_rotors
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia
 from cutpoint.mechanics.kinematics import joint_poses
 from cutpoint.mechanics.mass_matrix import composite_inertias
+from cutpoint.mechanics.rotor_coupling import rotor_coupling, without_rotors
 from cutpoint.mechanics.system import System
 from cutpoint.model import Mechanism
 
@@ -83,7 +83,7 @@ def _idle_joints(mechanism: Mechanism, machine: Machine, rng: "np.random.Generat
     system = machine.system
     q, names = at_random(mechanism, system, rng, ()), _names(mechanism, system)
     M, most = (np.array(definitions.mass_matrix(Machine(x, []), q.tolist()), float) for x in (system, _spread(system)))
-    M = M if follow else without_rotors(machine, M, rotor_coupling(machine, q))
+    M = M if follow else without_rotors(machine.drives, M, rotor_coupling(*machine, q))
     scale = np.sqrt(np.diag(most))
     scale[scale == 0.0] = 1.0
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.functions.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
 from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
+from cutpoint.mechanics.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
 from cutpoint.model.drive import Drive, Friction, Harmonic
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.spring_slopes import stiffest
@@ -49,10 +49,10 @@ class Posture(NamedTuple):
 
 
 def posture(robot: Robot, q: Array) -> Posture:
-    """By [M, S; S^T, J]^-1, see `functions.rotor_coupling`.  Raises ModelError: a joint moves no inertia."""
-    driven, J_inverse = [d.v for d in robot.machine.drives], rotor_mobility(robot.machine)
-    S = rotor_coupling(robot.machine, q)
-    free = without_rotors(robot.machine, robot.mass_matrix(q), S)
+    """By [M, S; S^T, J]^-1, see `mechanics.rotor_coupling`.  Raises ModelError: a joint moves no inertia."""
+    driven, J_inverse = [d.v for d in robot.machine.drives], rotor_mobility(robot.machine.drives)
+    S = rotor_coupling(*robot.machine, q)
+    free = without_rotors(robot.machine.drives, robot.mass_matrix(q), S)
     if free.size and (sizes := np.linalg.eigvalsh(free))[0] * SINGULAR < sizes[-1]:
         check_moves_inertia(robot.mechanism, robot.machine)
     link = np.linalg.inv(free)
