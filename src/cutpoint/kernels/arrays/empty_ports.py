@@ -16,32 +16,28 @@ def around_empty_ports(
     """A ufunc of the ports of nonzero size, as one of all ports."""
     if all(port.size for port in (*inputs, *outputs)):
         return ufunc
-    return _AroundEmptyPorts(ufunc, precision, inputs, outputs)
 
-
-class _AroundEmptyPorts:
-    def __init__(
-        self, ufunc: Callable[..., Any], precision: Precision, inputs: Sequence[Port], outputs: Sequence[Port]
-    ) -> None:
-        self._ufunc, self._precision, self._inputs, self._outputs = ufunc, precision, inputs, outputs
-
-    def __call__(self, *arguments: Any, out: Any = None) -> Any:
-        pairs = [(p, as_numbers(a, self._precision)) for p, a in zip(self._inputs, arguments, strict=True)]
+    def call(*arguments: Any, out: Any = None) -> Any:
+        pairs = [(p, as_numbers(a, precision)) for p, a in zip(inputs, arguments, strict=True)]
         batch = np.broadcast_shapes(*(batch_shape(p, a) for p, a in pairs))
-        targets = self._targets(batch, out)
+        targets = _targets(precision, outputs, batch, out)
         (port, first), *others = [(p, a) for p, a in pairs if p.size]
         # the batch's axes may come from an empty input alone
         given = [np.broadcast_to(first, (*batch, *port.shape)), *(a for _, a in others)]
-        self._ufunc(*given, out=tuple(t for p, t in zip(self._outputs, targets, strict=True) if p.size))
+        ufunc(*given, out=tuple(t for p, t in zip(outputs, targets, strict=True) if p.size))
         results = targets if out is not None else [t if t.ndim else t[()] for t in targets]
         return results[0] if len(results) == 1 else tuple(results)
 
-    def _targets(self, batch: tuple[int, ...], out: Any) -> list[np.ndarray]:
-        if out is None:
-            return [np.empty((*batch, *p.shape), self._precision.dtype) for p in self._outputs]
-        targets = [*out] if isinstance(out, tuple) else [out]
-        for port, target in zip(self._outputs, targets, strict=True):
-            if not isinstance(target, np.ndarray):
-                raise TypeError("out must be arrays")
-            batch_shape(port, target)
-        return targets
+    return call
+
+
+def _targets(precision: Precision, outputs: Sequence[Port], batch: tuple[int, ...], out: Any) -> list[np.ndarray]:
+    """Arrays for the results."""
+    if out is None:
+        return [np.empty((*batch, *p.shape), precision.dtype) for p in outputs]
+    targets = [*out] if isinstance(out, tuple) else [out]
+    for port, target in zip(outputs, targets, strict=True):
+        if not isinstance(target, np.ndarray):
+            raise TypeError("out must be arrays")
+        batch_shape(port, target)
+    return targets
