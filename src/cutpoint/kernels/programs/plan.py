@@ -109,7 +109,6 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
     walk = Walk(named)
     walk.loop(body, frozenset(), frozenset(), {})
     walk.check_streams()
-    written = frozenset(walk.views[name].of if name in walk.views else name for name in walk.written)
     streamed, indices = dict(walk.streamed), dict(walk.indices)
     single_views = frozenset(name for name, single in walk.single_views.items() if single)
     counts = tuple(walk.counts)
@@ -117,7 +116,7 @@ def plan(body: Loop, regions: Sequence[Region]) -> Plan:
         body,
         named,
         walk.graphs,
-        written,
+        frozenset(walk.written),
         streamed,
         counts,
         walk.views,

@@ -109,7 +109,7 @@ class Walk:
         self._check_names((*stage.reads, *stage.writes), advancing)
         if len(set(stage.writes)) != max(1, len(stage.writes)):
             raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each only once")
-        self.written.update(stage.writes)
+        self.written.update(map(self._root, stage.writes))
         self._check_single(stage, single.intersection((*stage.reads, *stage.writes)))
         if stage not in self.graphs:
             known = self.regions | {name: self.regions[view.of] for name, view in self.views.items()}
@@ -121,8 +121,7 @@ class Walk:
             told = f"stage {name_of(stage.function)} uses {', '.join(sorted(self.single[stage] | seen))}"
             raise InputError(f"{told} lane by lane: it must be of one lane, and do so in every loop that holds it")
         for name in (*stage.reads, *stage.writes):
-            root = self.views[name].of if name in self.views else name
-            if self.regions[root].triples and name not in seen:
+            if self.regions[self._root(name)].triples and name not in seen:
                 told = f"stage {name_of(stage.function)} uses region {name!r} of triples"
                 raise InputError(f"{told}, so it must be in a LaneLoop that advances with it")
 
@@ -131,6 +130,10 @@ class Walk:
             if known[name].lanes != stage.lanes:
                 told = f"a stage of {stage.lanes} lanes writes region {name!r}, which has {known[name].lanes}"
                 raise InputError(f"{told}; the numbers must match")
+
+    def _root(self, name: str) -> str:
+        """The region that a name refers to."""
+        return self.views[name].of if name in self.views else name
 
     def _check_names(self, names: Sequence[str], advancing: frozenset[str]) -> None:
         for name in names:
