@@ -39,7 +39,7 @@ def case(seed: int, noise: float = NOISE) -> Case:
     """The arm of a seed, of two or three joints, identified by default options.  noise: N m RMS, of the torques."""
     known = with_springs(known_arm(seed, 2 + seed % 2), seed)
     found = identify(known.file, recorded(known.robot, seed, noise), torque_delay=0.5 * PERIOD)
-    errors, true = found.errors, motion_of(known.robot, found.recording)
+    errors, true = found.errors, motion_of(known.robot, found.recording, found.rigid.cutoff)
     left = errors.measured - low_pass(stated_torque(known.robot, true), true.period, errors.bandwidth)
     floor = np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
     linear = [isinstance(drive.compliance, LinearSpring) for drive in found.robot.drives.values()]

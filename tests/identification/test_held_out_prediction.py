@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from drive_benches import PERIOD, measured, supposed_arm
+from simulated_logs import known_arm
+from simulated_logs import recorded as simulated
 
 import cutpoint
 from cutpoint.identification import Recording, low_pass
@@ -40,7 +42,7 @@ def wrong_files() -> cutpoint.Robot:
 def true_error(found: Identification) -> np.ndarray:
     """(n,), RMS of what the true arm's own numbers leave of the torques held out, through the same filters."""
     true, errors = cutpoint.robots.xia2019(), found.errors
-    motion = motion_of(true, found.recording)
+    motion = motion_of(true, found.recording, found.rigid.cutoff)
     left = errors.measured - low_pass(stated_torque(true, motion), motion.period, errors.bandwidth)
     return np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
 
@@ -67,3 +69,12 @@ def test_torques_are_as_large_as_on_the_part_that_was_fitted():
     torque, held = np.array([[1.0], [3.0], [50.0], [50.0]]), np.array([False, False, True, True])
     errors = TorqueErrors(np.arange(4.0), *[torque] * 7, held_out=held, bandwidth=1.0)
     assert errors.size() == pytest.approx([1.0])
+
+
+def test_torques_held_out_are_filtered_as_in_the_fit():
+    # of noisy positions a part and the whole suggest other cut-offs
+    arm = known_arm(0, 2)
+    log = simulated(arm.robot, 0)
+    shaken = log["q"] + 1e-3 * np.random.default_rng(0).normal(size=log["q"].shape)
+    found = identify(arm.file, replace(log, q=shaken), friction="stated")
+    assert any(f"torques explained up to {found.errors.bandwidth:.4g} Hz" in note for note in found.notes)

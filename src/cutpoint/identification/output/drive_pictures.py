@@ -43,7 +43,7 @@ def bendings(
 
     bandwidth: Hz, of the loops.
     """
-    motion = motion_of(robot, recording)
+    motion = motion_of(robot, recording, rigid.cutoff)
     load = link_torques(robot, motion, rigid.model.inertial)
     recording = recording.in_order(robot.joints)
     theta, lead = recording["theta"], recording["theta"] - recording["q"]

@@ -108,7 +108,7 @@ def identify(
             drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
             found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
             say("torques on the part held out")
-            errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, **filters)
+            errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, bandwidth)
     return _identification(before, file, xacro or {}, recording, found, errors)
 
 

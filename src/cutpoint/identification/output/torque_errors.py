@@ -104,11 +104,13 @@ def torque_errors(
     recording: Recording,
     held_from: float,
     constants: Mapping[str, float] | None,
-    cutoff: float | None,
     bandwidth: float | None,
 ) -> TorqueErrors:
-    """Torques before and after, along a whole recording; samples from `held_from` s on count as held out."""
-    motion = motion_of(robot, recording, cutoff)
+    """Torques before and after, along a whole recording; samples from `held_from` s on count as held out.
+
+    All are filtered as in the fit, or the models would differ by their filters.
+    """
+    motion = motion_of(robot, recording, rigid.cutoff)
     width = explained(motion, bandwidth)
     recorded, held = torques_of(robot, recording, constants), recording.time >= held_from
     torques = (

@@ -51,6 +51,7 @@ class RigidEstimate:
     robot: with new inertias, rotors and friction, and physically consistent bodies.  model: the same as a torque model.
     parameters: base parameters, friction and offsets, each with its interval and whether the log determines it.
     residuals: (M, n) N m, of the fit behind the intervals, at times (M,), s; noise (n,), their size.
+    cutoff: of the positions, Hz.
     friction: how each joint's law was chosen, if it was.  untold: what this log cannot determine, in sentences.
     doubts: signs, times and sizes of torques that the fit contradicts.  notes: how the recording was processed.
     """
@@ -61,6 +62,7 @@ class RigidEstimate:
     residuals: Array
     times: Array
     noise: Array
+    cutoff: float
     untold: tuple[str, ...]
     doubts: tuple[str, ...]
     notes: tuple[str, ...]
@@ -148,6 +150,7 @@ def estimate_of(
         residuals=estimate.residuals,
         times=log.start + found.times[len(found.times) - len(estimate.residuals) :],
         noise=estimate.noise,
+        cutoff=log.motion.cutoff,
         untold=untold(table, base),
         doubts=(*reversed_signs(table), *scale_notes(found, estimate.values, robot.joints), *_late(fitted)),
         notes=(
