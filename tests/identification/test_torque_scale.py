@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,9 +21,9 @@ def arm(seed: int, joints: int) -> tuple[Known, Recording]:
     return known, recorded(known.robot, seed)
 
 
-def named(known: Known, recording: Recording) -> dict[str, float]:
+def named(known: Known, recording: Recording, **how: Any) -> dict[str, float]:
     """Joints and factors in the doubt about the scale of torques."""
-    doubts = [x for x in identify_rigid(known.file, recording).doubts if "of the others suggest" in x]
+    doubts = [x for x in identify_rigid(known.file, recording, **how).doubts if "of the others suggest" in x]
     assert len(doubts) <= 1
     return {joint: float(x) for joint, x in re.findall(r"of (\S+) (?:are )?about (\S+) times", "".join(doubts))}
 
@@ -64,6 +65,12 @@ def test_springs_and_friction_of_drives_are_not_taken_for_another_scale(unseen: 
     known = Known(known.robot.with_drives(drives), known.file)
     log = elastically_recorded(known.robot, 4)
     assert named(known, log if unseen == "none" else replace(log, **{unseen: None})) == {}
+
+
+def test_a_factor_that_contradicts_the_joints_excess_is_not_told():
+    known, log = arm(2, 6)
+    load = log["torque"].std(axis=0) * np.sin(2.0 * log["q"] + 1.0)  # of no body
+    assert named(known, replace(log, torque=log["torque"] + 0.5 * load), friction="stated") == {}
 
 
 def test_a_base_that_is_mounted_at_an_angle_is_doubted():

@@ -31,10 +31,13 @@ def scale_notes(found: Regression, values: Array, joints: Sequence[str]) -> list
     """
     excess, deviation = excesses(found, values)
     clear = np.where(np.abs(excess) > WORTH, np.abs(excess) / deviation, 0.0)
+    scales = {j: _scale(found, j) for j in np.flatnonzero(clear >= CERTAIN).tolist()}
+    # what no model explains enlarges the factor, until it contradicts the excess: then neither means anything
+    clear[[j for j, scale in scales.items() if (scale - 1.0) * excess[j] < 0.0]] = 0.0
     if clear.max() < CERTAIN:
         return []
     first, *others = np.argsort(-clear)[: int((clear > ALIKE * clear.max()).sum())].tolist()
-    factors = {j: f"about {_scale(found, j):.3g} times" for j in (first, *others)}
+    factors = {j: f"about {scales[j]:.3g} times" for j in (first, *others)}
     words = f"torques of {joints[first]} are {factors[first]} what those of the others suggest"
     instead = "".join(f", or those of {joints[j]} {factors[j]}" for j in others)
     return [f"{words}{instead}: check torque constants, gear ratios and units, and how the base is mounted"]
