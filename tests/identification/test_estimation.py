@@ -431,9 +431,17 @@ def test_friction_of_a_law_of_ones_own_is_refused():
 
 
 def test_a_joint_that_was_not_recorded_is_named():
-    arm = known_arm(0)
+    arm = known_arm(0, 2)
     with pytest.raises(InputError, match=r"joint 'joint1' was not recorded; there are: 'joint0'"):
         identify_rigid(arm.file, recorded(arm.robot, 0).joint("joint0"))
+
+
+def test_all_joints_that_were_not_recorded_are_named_at_once():
+    arm = known_arm(2, 3)
+    log = recorded(arm.robot, 2).joint("joint0")
+    rule = r"joints '.*', '.*' were not recorded; there are: 'joint0'; map their .* lock them"
+    with pytest.raises(InputError, match=rule):
+        identify_rigid(arm.file, log)
 
 
 def test_a_solver_that_is_not_installed_is_named_before_any_work(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -132,8 +132,10 @@ def _channels(robot: Robot, recording: Recording) -> dict[str, Array]:
     missing = [joint for joint in robot.joints if joint not in recording.joints]
     if missing:
         there = those_that_exist(missing[0], recording.joints)
-        rule = "map its channels, or lock it (--lock on the command line)"
-        raise InputError(f"joint {missing[0]!r} was not recorded; {there}; {rule}")
+        several = len(missing) > 1
+        what, its, it = ("joints", "their", "them") if several else ("joint", "its", "it")
+        rule = f"map {its} channels, or lock {it} (--lock on the command line)"
+        raise InputError(f"{what} {listed(missing)} {'were' if several else 'was'} not recorded; {there}; {rule}")
     return recording.in_order(robot.joints).channels
 
 

@@ -106,7 +106,8 @@ def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) ->
     joints = f"{counted(len(driven), 'driven joint')}, {listed(driven)}"
     rule = f"{name} has {counted(wide, 'column')}, but the robot has {joints}"
     if wide < len(driven):
-        return mapping.section.error(("joints",), f"{rule}; state whose they are as 'joints' in the mapping")
+        remedy = "state whose they are as 'joints' in the mapping, or lock the joints that were not recorded (--lock)"
+        return mapping.section.error(("joints",), f"{rule}; {remedy}")
     extra = sheet.channels[len(driven) :] if len(sheet.channels) == wide else ()
     what = f"nothing says whose {listed(extra)} are" if extra else "nothing says which belong to them"
     return mapping.section.error(
