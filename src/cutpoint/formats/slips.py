@@ -11,7 +11,7 @@ ALIKE = 0.84
 
 def meant(name: str, known: Collection[str]) -> str | None:
     """The known name, in small letters, of which this is a misspelling; None if it is known, or similar to none."""
-    if name in known:
+    if name in known or not known:
         return None
     own = name.casefold()[:LONGEST_GUESS]
     near = (right for right in known if sorted(right) == sorted(own) or _is_a_letter_off(own, right))
