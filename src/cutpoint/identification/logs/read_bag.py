@@ -9,9 +9,9 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-from cutpoint.files import UNREADABLE, check_readable
+from cutpoint.files import check_readable
 from cutpoint.identification.logs.bag_storage import Message, stored_messages
-from cutpoint.identification.logs.table import LARGEST_FILE, Channel, Table, optional
+from cutpoint.identification.logs.table import LARGEST_FILE, Channel, Table, optional, read_as
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 ARRAY = "std_msgs/msg/Float64MultiArray"
@@ -30,13 +30,9 @@ def read_bag(path: Path) -> Table:
     Raises InputError: no bag, a bag without such messages; CutpointError if rosbags is missing.
     """
     files = _files(path)
-    try:
+    with read_as("ROS 2 bag", path, sqlite3.Error, MemoryError):
         messages = [each for file in files for each in stored_messages(file) if each.type in (JOINT_STATE, ARRAY)]
         channels = _channels(messages)
-    except (*UNREADABLE, sqlite3.Error, MemoryError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"file is not a readable ROS 2 bag: {error}", place=path) from error
     if not channels:
         raise InputError(f"bag holds no {JOINT_STATE} and no {ARRAY}", place=path)
     return Table(str(path), channels)

@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from cutpoint.errors import InputError
-from cutpoint.files import UNREADABLE
-from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
+from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional, read_as
 
 REFERENCES = "#refs#"
 """Where MATLAB stores the targets of cells and objects."""
@@ -31,11 +29,6 @@ def read_hdf5(path: Path) -> Table:
             if found := channel(item[()]):
                 channels[name.replace("/", ".")] = found
 
-    try:
-        with h5py.File(path, "r") as file:
-            file.visititems(visit)  # follows neither soft nor external links
-    except InputError:
-        raise
-    except UNREADABLE as error:
-        raise InputError(f"file is not a readable MATLAB file: {error}", place=path) from error
+    with read_as("MATLAB file", path), h5py.File(path, "r") as file:
+        file.visititems(visit)  # follows neither soft nor external links
     return Table(str(path), channels)

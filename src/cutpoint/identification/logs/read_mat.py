@@ -10,11 +10,9 @@ import numpy as np
 from scipy.io import loadmat
 from scipy.io.matlab import MatReadError, mat_struct
 
-from cutpoint.errors import InputError
-from cutpoint.files import UNREADABLE
 from cutpoint.identification.logs.mat_nesting import ARRAY, check_nesting
 from cutpoint.identification.logs.read_hdf5 import read_hdf5
-from cutpoint.identification.logs.table import LARGEST_FILE, Table, channel
+from cutpoint.identification.logs.table import LARGEST_FILE, Table, channel, read_as
 
 HEADER = 128
 """Bytes before the first element of a version 5 file: MathWorks, MAT-File Format, "Level 5 MAT-File Format"."""
@@ -35,14 +33,12 @@ def read_mat(path: Path) -> Table:
         start = file.read(HEADER)
     if start.startswith(b"MATLAB 7.3"):
         return read_hdf5(path)
-    try:
+    with read_as("MATLAB file", path, MatReadError, MemoryError, NotImplementedError):
         if 0 not in start[:4]:  # as SciPy distinguishes version 5 from 4, which neither compresses nor nests
             _check_elements(path, "little" if start[126:] == b"IM" else "big")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # on sparse matrices: none is read
             found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
-    except (*UNREADABLE, MatReadError, MemoryError, NotImplementedError) as error:
-        raise InputError(f"file is not a readable MATLAB file: {error}", place=path) from error
     leaves = dict(_leaves("", found, DEEPEST))
     channels = {name: channel(values) for name, values in leaves.items()}
     left_out = {name: "cells or several structures" for name, values in leaves.items() if values.dtype == object}

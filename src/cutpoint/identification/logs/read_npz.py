@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cutpoint.errors import InputError
-from cutpoint.files import UNREADABLE
-from cutpoint.identification.logs.table import Table, channel, check_size
+from cutpoint.identification.logs.table import Table, channel, check_size, read_as
 
 OBJECTS = "Python objects"
 
@@ -38,17 +36,12 @@ def read_npz(path: Path) -> Table:
 @contextmanager
 def opened_archive(path: Path) -> Generator[zipfile.ZipFile, None, None]:
     """An .npz to read from.  Raises InputError for any error in it, when opened and while it is read."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            packings = {member.compress_type for member in archive.infolist()}
-            if not packings <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
-                raise ValueError("its compression is not one that NumPy uses")
-            yield archive
-    except InputError:
-        raise
-    except UNREADABLE as error:
-        rule = f"file is not a readable archive of NumPy arrays: {error}; copy it again, or save it with NumPy"
-        raise InputError(rule, place=path) from error
+    remedy = "; copy it again, or save it with NumPy"
+    with read_as("archive of NumPy arrays", path, remedy=remedy), zipfile.ZipFile(path) as archive:
+        packings = {member.compress_type for member in archive.infolist()}
+        if not packings <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
+            raise ValueError("its compression is not one that NumPy uses")
+        yield archive
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any] | str:

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.errors import InputError
-from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional
+from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional, read_as
 
 
 def read_parquet(path: Path) -> Table:
@@ -17,18 +16,14 @@ def read_parquet(path: Path) -> Table:
     """
     pyarrow = optional("pyarrow", "a Parquet file")
     parquet = optional("pyarrow.parquet", "a Parquet file")
-    try:
-        # opened here, so that a path is never taken for a URL
-        with path.open("rb") as stream, parquet.ParquetFile(stream) as file:
-            check_size(max(_sizes(file.metadata)), "table", str(path))
-            columns = [file.metadata.schema.column(k) for k in range(file.metadata.num_columns)]
-            # texts are never numbers, and a single one may be encoded a million times
-            table = _flat(file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
-            kinds = {each.name: each.type for each in _flat(file.schema_arrow.empty_table()).schema}
-    except (pyarrow.ArrowException, OSError, ValueError, MemoryError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"file is not a readable Parquet file: {error}", place=path) from error
+    # opened here, so that a path is never taken for a URL
+    wrong = read_as("Parquet file", path, pyarrow.ArrowException, MemoryError)
+    with wrong, path.open("rb") as stream, parquet.ParquetFile(stream) as file:
+        check_size(max(_sizes(file.metadata)), "table", str(path))
+        columns = [file.metadata.schema.column(k) for k in range(file.metadata.num_columns)]
+        # texts are never numbers, and a single one may be encoded a million times
+        table = _flat(file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
+        kinds = {each.name: each.type for each in _flat(file.schema_arrow.empty_table()).schema}
     found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
     left_out = {name: f"{kind}, not numbers" for name, kind in kinds.items() if found.get(name) is None}
     return Table(str(path), {name: each for name, each in found.items() if each is not None}, left_out)

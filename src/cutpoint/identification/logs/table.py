@@ -1,15 +1,18 @@
 """Contents of a log file before interpretation: named channels, with the file's own labels and units."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError, InputError, those_that_exist
+from cutpoint.files import UNREADABLE
 from cutpoint.model.stated_units import name_and_unit
 from cutpoint.simulation.log.files import LARGEST_FILE
 
@@ -108,6 +111,17 @@ def check_size(size: int, what: str, place: str) -> None:
         raise InputError(
             f"{what} of {size:,} bytes is too large: at most {LARGEST_FILE:,} are read", place=place, size=size
         )
+
+
+@contextmanager
+def read_as(kind: str, path: Path, *others: type[BaseException], remedy: str = "") -> Generator[None, None, None]:
+    """What a library raises for a file that is not of its kind, as InputError.  others: besides UNREADABLE."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (*UNREADABLE, *others) as error:
+        raise InputError(f"file is not a readable {kind}: {error}{remedy}", place=path) from error
 
 
 def optional(module: str, kind: str) -> Any:
