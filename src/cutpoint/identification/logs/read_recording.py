@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from cutpoint.door import check_kind
-from cutpoint.errors import InputError, ModelError, counted, listed, those_that_exist
+from cutpoint.errors import ModelError, counted, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
 from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
 from cutpoint.identification.logs.reading import read_table
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
-from cutpoint.identification.logs.table import Table
+from cutpoint.identification.logs.table import Table, placed
 from cutpoint.robot import Robot
 
 
@@ -63,15 +63,11 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
         for name, each in chosen.items():
             check_kinds(name, each, joints, _slides(robot), mapping)
     measured = {name: in_si(name, each, ratio, slides, mapping) for name, each in chosen.items()}
-    try:
+    with placed(table.file):
         time, channels, notes = at_common_times(table, mapping, joints, measured)
-    except InputError as error:
-        if error.place or not table.file:
-            raise
-        raise InputError(str(error), place=table.file, **error.evidence) from error
-    recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
-    if robot:
-        refuse_other_units(recording, robot, table.file)
+        recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
+        if robot:
+            refuse_other_units(recording, robot)
     return recording.with_notes(suspicions(recording))
 
 

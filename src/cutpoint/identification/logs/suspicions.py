@@ -1,7 +1,7 @@
 """Plausibility checks of a recording: channels that are constant, clipped, or not in the stated units."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -36,31 +36,21 @@ EXPLANATIONS = {
 }
 
 
-def refuse_other_units(recording: Recording, robot: Robot, file: str = "") -> None:
+def refuse_other_units(recording: Recording, robot: Robot) -> None:
     """Raises InputError for positions far beyond a joint's limits, such as degrees or counts taken as radians, or mm as
     metres; for motors whose positions are all the links' times one factor; and for a clock in another unit."""
-    _refuse_one_factor(recording, robot, file)
-    drives = list(robot.drives)
+    _refuse_one_factor(recording, robot)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
-            if joint in drives and np.isfinite(x).any():
-                furthest = np.zeros(len(drives))
-                furthest[drives.index(joint)] = x[np.nanargmax(np.abs(x))]
+            if joint in robot.drives and np.isfinite(x).any():
+                furthest = dict.fromkeys(robot.drives, 0.0) | {joint: float(x[np.nanargmax(np.abs(x))])}
                 try:
-                    check_configuration(robot.mechanism, furthest.tolist())
+                    check_configuration(robot.mechanism, [*furthest.values()])
                 except InputError as error:
-                    ratio = robot.drives[joint].ratio
-                    turns = name == "theta" and _are_rotors(recording, joint, ratio)
-                    slide = [each in robot.mechanism.sliding for each in recording.joints]
-                    words = _beyond(name, recording.joints.index(joint), recording, slide, is_rotor=turns)
-                    if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
-                        words += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
-                    if name == "theta" and ratio == 1.0:
-                        words += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
-                    raise InputError(words, place=file or None, **error.evidence) from error
+                    raise InputError(_beyond(name, joint, x, recording, robot), **error.evidence) from error
 
 
-def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
+def _refuse_one_factor(recording: Recording, robot: Robot) -> None:
     pairs = [*zip(_columns(recording, "theta"), _columns(recording, "q"), strict=False)]
     ratios = [robot.drives[joint].ratio for (joint, _), _ in pairs if joint in robot.drives]
     all_of = (_factor(theta, q, recording.time) for (_, theta), (_, q) in pairs)
@@ -71,7 +61,7 @@ def _refuse_one_factor(recording: Recording, robot: Robot, file: str) -> None:
         if value > 0.0 and factors and all(abs(factor / value - 1.0) < FITS for factor in factors):
             found = f"theta of all joints is {factors[0]:.4g} times q: {words}?"
             remedy = "state the unit of one in a mapping, as in 'theta: {channels: ..., unit: ...}'"
-            raise InputError(f"{found}  If so, {remedy}", place=file or None, factor=factors[0])
+            raise InputError(f"{found}  If so, {remedy}", factor=factors[0])
 
 
 def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
@@ -84,21 +74,34 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
     return bool(abs(q @ theta - ratio * (q @ q)) < FITS * abs(ratio) * (q @ q))
 
 
-def _beyond(name: str, j: int, recording: Recording, slide: Sequence[bool], *, is_rotor: bool) -> str:
-    """slide: whether each joint of the recording is prismatic."""
-    joint, x = recording.joints[j], recording[name][:, j]
-    if is_rotor:
-        span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} rad, the ratio times as far as q, so it is the rotor's"
-        return f"{name} of joint {joint!r} runs {span}: state '{name}: {{channels: ..., side: motor}}' in a mapping"
-    counted = bool((_known(x) == np.round(_known(x))).all())
-    si, own, unit = ("m", "mm", "mm") if slide[j] else ("rad", "deg", "degrees")
-    others = [own if slides == slide[j] else "rad" if slide[j] else "m" for slides in slide]
-    which = own if len({*slide}) == 1 else f"[{', '.join(others)}]"
-    if counted and not slide[j]:
-        unit, which = "counts", "counts, counts_per_turn: ..."
-    span = f"from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} {si}, far beyond its limits"
-    remedy = f"state '{name}: {{channels: ..., unit: {which}}}' in a mapping"
-    return f"{name} of joint {joint!r} runs {span}; this looks like {unit}: {remedy}"
+def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot) -> str:
+    """What positions (N,) far beyond a joint's limits look like."""
+    ratio, runs = (
+        robot.drives[joint].ratio,
+        f"{name} of joint {joint!r} runs from {np.nanmin(x):.4g} to {np.nanmax(x):.4g}",
+    )
+    if name == "theta" and _are_rotors(recording, joint, ratio):
+        rule = "rad, the ratio times as far as q, so it is the rotor's"
+        words = f"{runs} {rule}: state '{name}: {{channels: ..., side: motor}}' in a mapping"
+    else:
+        si, looks, unit = _likely_unit(joint, x, recording, robot)
+        remedy = f"state '{name}: {{channels: ..., unit: {unit}}}' in a mapping"
+        words = f"{runs} {si}, far beyond its limits; this looks like {looks}: {remedy}"
+    if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
+        words += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
+    if name == "theta" and ratio == 1.0:
+        words += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
+    return words
+
+
+def _likely_unit(joint: str, x: Array, recording: Recording, robot: Robot) -> tuple[str, str, str]:
+    """The SI unit of positions (N,), the unit that they seem to be in, and what a mapping states for that."""
+    slides = joint in robot.mechanism.sliding
+    if not slides and (_known(x) == np.round(_known(x))).all():
+        return "rad", "counts", "counts, counts_per_turn: ..."
+    si, own, other, looks = ("m", "mm", "rad", "mm") if slides else ("rad", "deg", "m", "degrees")
+    units = [own if (each in robot.mechanism.sliding) == slides else other for each in recording.joints]
+    return si, looks, own if other not in units else f"[{', '.join(units)}]"
 
 
 def suspicions(recording: Recording) -> list[str]:

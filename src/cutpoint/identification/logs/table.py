@@ -114,6 +114,17 @@ def check_size(size: int, what: str, place: str) -> None:
 
 
 @contextmanager
+def placed(file: str) -> Generator[None, None, None]:
+    """Errors in what was read from a file, "" for none, name it."""
+    try:
+        yield
+    except InputError as error:
+        if error.place or not file:
+            raise
+        raise InputError(str(error), place=file, **error.evidence) from error
+
+
+@contextmanager
 def read_as(kind: str, path: Path, *others: type[BaseException], remedy: str = "") -> Generator[None, None, None]:
     """What a library raises for a file that is not of its kind, as InputError.  others: besides UNREADABLE."""
     try:

@@ -1,7 +1,6 @@
 """`identify`: from a log to an identified robot, with uncertainties, and files of both."""
 
-from collections.abc import Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
+from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import warnings_of
@@ -101,7 +101,7 @@ def identify(
         say("reading the log")
         logs = _each_once(log)
         before, stamped, resolution = _read(robot, logs, mapping, drives, xacro)
-        with _told_of(logs):
+        with placed(_files(logs)):
             stamped = aligned(stamped) if align else stamped
             recording = _acting(stamped, torque_delay)
             fitted, held_from = _fitted(recording, hold_out)
@@ -126,16 +126,9 @@ def _each_once(log: OneLog | Sequence[OneLog]) -> list[OneLog]:
     return logs
 
 
-@contextmanager
-def _told_of(logs: Sequence[OneLog]) -> Generator[None, None, None]:
-    """Errors from read data name the logs' files."""
-    try:
-        yield
-    except InputError as error:
-        files = [str(log) for log in logs if not isinstance(log, Recording)]
-        if error.place or not files:
-            raise
-        raise InputError(str(error), place=", ".join(files), **error.evidence) from error
+def _files(logs: Sequence[OneLog]) -> str:
+    """Names of the logs' files, for errors in what was read."""
+    return ", ".join(str(log) for log in logs if not isinstance(log, Recording))
 
 
 def _read(
@@ -151,7 +144,7 @@ def _read(
     """
     before = robot if isinstance(robot, Robot) else load(robot, drives, xacro=xacro)
     recordings = [_recorded(log, mapping, before) for log in logs]
-    with _told_of(logs):
+    with placed(_files(logs)):
         recording = recordings[0] if len(recordings) == 1 else joined([*map(_named, logs, recordings)])
         recording = with_other_sides(recording)
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
