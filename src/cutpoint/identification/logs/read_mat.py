@@ -38,11 +38,11 @@ def read_mat(path: Path) -> Table:
             _check_elements(path, "little" if start[126:] == b"IM" else "big")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # on sparse matrices: none is read
-            found = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
-    leaves = dict(_leaves("", found, DEEPEST))
-    channels = {name: channel(values) for name, values in leaves.items()}
+            contents = loadmat(path, struct_as_record=False, squeeze_me=True, chars_as_strings=False)
+    leaves = dict(_leaves("", contents, DEEPEST))
+    channels = {name: found for name, values in leaves.items() if (found := channel(values))}
     left_out = {name: "cells or several structures" for name, values in leaves.items() if values.dtype == object}
-    return Table(str(path), {name: each for name, each in channels.items() if each is not None}, left_out)
+    return Table(str(path), channels, left_out)
 
 
 def _leaves(prefix: str, found: dict[str, Any], depth: int) -> Iterator[tuple[str, Any]]:

@@ -25,12 +25,13 @@ def read_npz(path: Path) -> Table:
         if len({member.filename for member in members}) < len(members):
             raise ValueError("it holds two arrays of the same name")
         names = [name for name in archive.namelist() if name.endswith(".npy")]
-        found = {name.removesuffix(".npy"): _array(archive, name) for name in names}
-    channels = {name: channel(values) for name, values in found.items() if not isinstance(values, str)}
-    left_out = {name: kind for name, kind in found.items() if isinstance(kind, str)}
+        contents = {name.removesuffix(".npy"): _array(archive, name) for name in names}
+    arrays = {name: values for name, values in contents.items() if not isinstance(values, str)}
+    channels = {name: found for name, values in arrays.items() if (found := channel(values))}
+    left_out = {name: kind for name, kind in contents.items() if isinstance(kind, str)}
     remedy = "they are never read; save an array of numbers"
     notes = tuple(f"{name!r} holds {OBJECTS}: {remedy}" for name, kind in left_out.items() if kind == OBJECTS)
-    return Table(str(path), {name: each for name, each in channels.items() if each is not None}, left_out, notes)
+    return Table(str(path), channels, left_out, notes)
 
 
 @contextmanager

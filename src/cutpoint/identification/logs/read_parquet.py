@@ -14,19 +14,25 @@ def read_parquet(path: Path) -> Table:
 
     Raises InputError: no Parquet file, or one that unpacks to more than is read; CutpointError if pyarrow is missing.
     """
-    pyarrow = optional("pyarrow", "a Parquet file")
-    parquet = optional("pyarrow.parquet", "a Parquet file")
+    pyarrow = _pyarrow()
     # opened here, so that a path is never taken for a URL
     wrong = read_as("Parquet file", path, pyarrow.ArrowException, MemoryError)
-    with wrong, path.open("rb") as stream, parquet.ParquetFile(stream) as file:
+    with wrong, path.open("rb") as stream, pyarrow.parquet.ParquetFile(stream) as file:
         check_size(max(_sizes(file.metadata)), "table", str(path))
         columns = [file.metadata.schema.column(k) for k in range(file.metadata.num_columns)]
         # texts are never numbers, and a single one may be encoded a million times
-        table = _flat(file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
-        kinds = {each.name: each.type for each in _flat(file.schema_arrow.empty_table()).schema}
-    found = {name: _channel(table.column(k)) for k, name in enumerate(table.column_names)}
-    left_out = {name: f"{kind}, not numbers" for name, kind in kinds.items() if found.get(name) is None}
-    return Table(str(path), {name: each for name, each in found.items() if each is not None}, left_out)
+        table = _flat(pyarrow, file.read([each.path for each in columns if each.physical_type != "BYTE_ARRAY"]))
+        kinds = {each.name: each.type for each in _flat(pyarrow, file.schema_arrow.empty_table()).schema}
+    columns = zip(table.column_names, table.columns, strict=True)
+    channels = {name: found for name, column in columns if (found := _channel(pyarrow, column))}
+    left_out = {name: f"{kind}, not numbers" for name, kind in kinds.items() if name not in channels}
+    return Table(str(path), channels, left_out)
+
+
+def _pyarrow() -> Any:
+    """The library, with the parts of it that are imported on their own."""
+    found, *_ = (optional(name, "a Parquet file") for name in ("pyarrow", "pyarrow.compute", "pyarrow.parquet"))
+    return found
 
 
 def _sizes(about: Any) -> tuple[int, int]:
@@ -37,17 +43,16 @@ def _sizes(about: Any) -> tuple[int, int]:
     return sum(group.total_byte_size for group in groups), 8 * max(values, rows)
 
 
-def _flat(table: Any) -> Any:
+def _flat(pyarrow: Any, table: Any) -> Any:
     """A table with a column per field of its structures."""
-    types = optional("pyarrow.types", "a Parquet file")
-    while any(types.is_struct(field.type) for field in table.schema):
+    while any(pyarrow.types.is_struct(field.type) for field in table.schema):
         table = table.flatten()
     return table
 
 
-def _channel(column: Any) -> Channel | None:
+def _channel(pyarrow: Any, column: Any) -> Channel | None:
     """A column as a channel; None for texts, and for lists that are empty or differ in length."""
-    types, compute = (optional(f"pyarrow.{part}", "a Parquet file") for part in ("types", "compute"))
+    types, compute = pyarrow.types, pyarrow.compute
     if types.is_timestamp(column.type) or types.is_duration(column.type):
         return channel(_seconds(column), unit="s")
     lists = types.is_list(column.type) or types.is_fixed_size_list(column.type) or types.is_large_list(column.type)
