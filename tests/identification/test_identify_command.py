@@ -19,8 +19,9 @@ from cutpoint import Backlash, Coulomb, Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording, identify_drives
-from cutpoint.identification.output import Identification, estimates, identify, saving, steps
+from cutpoint.identification.output import Identification, estimates, identify, saving
 from cutpoint.identification.output.drive_pictures import amplitudes
+from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.output.terminal import table_of
 
 
@@ -227,14 +228,13 @@ def test_ctrl_c_keeps_the_springs_found_so_far():
 
 
 def test_progress_counts_every_step_on_stderr_and_leaves_nothing(files: Path, monkeypatch: pytest.MonkeyPatch):
-    seen: list[tuple[float, float | None]] = []
+    seen, update = list[tuple[float, float | None]](), Steps.update
 
-    class Watched(steps.Progress):
-        def update(self, task_id: Any, **changed: Any) -> None:
-            super().update(task_id, **changed)
-            seen.append((self.tasks[0].completed, self.tasks[0].total))
+    def watched(bar: Steps, task_id: Any, **changed: Any) -> None:
+        update(bar, task_id, **changed)
+        seen.append((bar.tasks[0].completed, bar.tasks[0].total))
 
-    monkeypatch.setattr(steps, "Progress", Watched)
+    monkeypatch.setattr(Steps, "update", watched)
     log = Recording(TIME, TRUTH.joints, **channels())
     identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated", progress=True)
     assert seen == [(0, 3), (1, 3), (2, 3)]

@@ -1,12 +1,10 @@
 """A progress bar on stderr for slow steps."""
 
-from types import TracebackType
-
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 
-class Steps:
+class Steps(Progress):
     """Called with the name of a step, which ends the one before."""
 
     def __init__(self, count: int, shown: bool) -> None:
@@ -17,25 +15,12 @@ class Steps:
             TimeElapsedColumn(),
             TextColumn("{task.description}", markup=False),
         )
-        self._bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=not shown)
-        self._task = self._bar.add_task("", total=count)
-        self._begun = 0
-        self._count = count
+        super().__init__(*columns, console=Console(stderr=True), transient=True, disable=not shown)
+        self._task = self.add_task("", total=count, completed=-1, visible=False)
 
     def expect(self, more: int) -> None:
         """Adds so many steps to the total."""
-        self._count += more
-        self._bar.update(self._task, total=self._count)
+        self.update(self._task, total=(self.tasks[0].total or 0) + more)
 
     def __call__(self, words: str) -> None:
-        self._bar.update(self._task, description=words, completed=self._begun)
-        self._begun += 1
-
-    def __enter__(self) -> "Steps":
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._bar.stop()
+        self.update(self._task, description=words, advance=1, visible=True)
