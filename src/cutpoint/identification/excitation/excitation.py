@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from types import NoneType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 from numpy.typing import ArrayLike
 
@@ -17,7 +17,7 @@ from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_name, positive, whole
 from cutpoint.errors import InputError
 from cutpoint.identification.excitation.bounds import bounds_of
-from cutpoint.identification.excitation.file import Start, read_start, write_csv, write_start
+from cutpoint.identification.excitation.file import read_start, write_csv, write_start
 from cutpoint.identification.excitation.information import Criterion, condition_number, log_determinant
 from cutpoint.identification.excitation.limits import Box, Use
 from cutpoint.identification.excitation.problem import Problem
@@ -29,8 +29,6 @@ from cutpoint.robot_arguments import check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-CRITERIA = ("determinant", "condition")
 
 FEWEST, MOST = 3, 50
 """Harmonics: with fewer, no motion starts at rest up to the snap."""
@@ -130,7 +128,7 @@ def excitation(
     _check_driven(robot)
     duration, harmonics = positive("excitation", "duration", duration, "s"), _harmonics(harmonics)
     frequency = _frequency(duration, base_frequency)
-    checked_name("criterion", criterion, CRITERIA)
+    checked_name("criterion", criterion, get_args(Criterion))
     seconds, seed = positive("excitation", "seconds", seconds, "s"), whole("excitation", "seed", seed, 0)
     starts = starts if starts is None else whole("excitation", "starts", starts)
     bounds = bounds_of(robot, position, speed, acceleration, torque, travel)
@@ -140,7 +138,7 @@ def excitation(
 
     def keep(z: Array, cost: float) -> None:
         if file is not None:
-            write_start(file, robot, Start(problem.series(z, duration), criterion, cost))
+            write_start(file, robot, problem.series(z, duration), criterion, cost)
 
     known = None if begin is None else problem.coordinates(begin)
     found = search(problem, known, seconds, starts, seed, keep)

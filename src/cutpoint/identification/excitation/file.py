@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,25 +27,16 @@ LARGEST_FILE = 10_000_000
 """Bytes: far more than the coefficients of a hundred joints need."""
 
 
-class Start(NamedTuple):
-    """A series within all limits, and its cost under a criterion: see `judged`."""
-
-    series: FourierSeries
-    criterion: str
-    cost: float
-
-
-def write_start(path: Path, robot: Robot, start: Start) -> None:
-    """Writes the start in SI units, atomically."""
-    series = start.series
+def write_start(path: Path, robot: Robot, series: FourierSeries, criterion: str, cost: float) -> None:
+    """Writes a series within all limits, and its cost under a criterion, see `judged`, in SI units, atomically."""
     sheet = {
         "cutpoint_excitation": VERSION,
         "robot": robot.name,
         "joints": list(robot.joints),
         "duration_s": series.duration,
         "base_frequency_Hz": series.base_frequency,
-        "criterion": start.criterion,
-        "cost": start.cost,
+        "criterion": criterion,
+        "cost": cost,
         "centre": series.centre.tolist(),
         "sine": series.sine.tolist(),
         "cosine": series.cosine.tolist(),

@@ -3,7 +3,7 @@
 Swevers et al. (1997), section III; Gautier and Khalil (1992), Int. J. Robotics Research 11(4).
 """
 
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,13 +34,6 @@ TINY = 1e-14
 """Share of the trace of W^T W added to its diagonal, so that an uninformative motion has a finite criterion."""
 
 
-class Scales(NamedTuple):
-    """torque (n,), N m (N): torque limits, or the RMS of random motions.  speed (n,): the largest reached, rad/s."""
-
-    torque: Array
-    speed: Array
-
-
 class Information:
     """The regressor of a motion, rows over the torque's scale, columns times the parameters' nominal sizes.
 
@@ -48,15 +41,15 @@ class Information:
     """
 
     def __init__(self, robot: Robot, bounds: Bounds) -> None:
-        self.base, self.scales = base_parameters(robot, rotors=True), _scales(robot, bounds)
+        self.base, self._torque = base_parameters(robot, rotors=True), _torque_scale(robot, bounds)
+        self._crossing = CROSSING * bounds.speed
         inertial = self.base.independent < 10 * len(robot.mechanism.bodies)
         chosen = self.base.independent[inertial]
         self._inertial, self._rotors = np.flatnonzero(inertial), np.flatnonzero(~inertial)
         self._rotor_joints = self.base.independent[~inertial] - 10 * len(robot.mechanism.bodies)
         self._gradient = pullback(robot, lambda m, **x: _columns(m, chosen, **x), (robot.nv, chosen.size), 2)
-        torque, speed = self.scales
         sizes = np.abs(self.base.matrix) @ _sizes(robot)
-        self._sizes = np.concatenate([sizes, FRICTION * torque, FRICTION * torque / speed])
+        self._sizes = np.concatenate([sizes, FRICTION * self._torque, FRICTION * self._torque / bounds.speed])
 
     @property
     def parameters(self) -> int:
@@ -70,18 +63,18 @@ class Information:
         b, n = self.base.independent.size, v.shape[1]
         joints = np.arange(n)
         W[..., :b] = self.base.regressor(*motion[:3])
-        W[:, joints, b + joints] = np.tanh(v / (CROSSING * self.scales.speed))
+        W[:, joints, b + joints] = np.tanh(v / self._crossing)
         W[:, joints, b + n + joints] = v
-        return W * self._sizes / self.scales.torque[:, None]
+        return W * self._sizes / self._torque[:, None]
 
     def gradient(self, motion: Array, weights: Array) -> Array:
         """(5, N, n): gradient of the sum of weights times W, both (N, n, columns)."""
-        weights = weights * self._sizes / self.scales.torque[:, None]
+        weights = weights * self._sizes / self._torque[:, None]
         b, n = self.base.independent.size, motion.shape[-1]
-        joints, crossing = np.arange(n), CROSSING * self.scales.speed
+        joints = np.arange(n)
         found = self._gradient(motion, np.ascontiguousarray(weights[..., self._inertial]))
         found[2][:, self._rotor_joints] += weights[:, self._rotor_joints, self._rotors]
-        dry = weights[:, joints, b + joints] * (1.0 - np.tanh(motion[1] / crossing) ** 2) / crossing
+        dry = weights[:, joints, b + joints] * (1.0 - np.tanh(motion[1] / self._crossing) ** 2) / self._crossing
         found[1] += dry + weights[:, joints, b + n + joints]
         return found
 
@@ -126,14 +119,15 @@ def _columns(m: definitions.Machine, chosen: NDArray[np.intp], **motion: Any) ->
     return [[row[k] for k in chosen] for row in definitions.regressor(m, **motion)]
 
 
-def _scales(robot: Robot, bounds: Bounds) -> Scales:
+def _torque_scale(robot: Robot, bounds: Bounds) -> Array:
+    """(n,), N m (N): torque limits, or the RMS of random motions."""
     rng, count = np.random.default_rng(0), 200
     q = rng.uniform(bounds.low, bounds.high, (count, robot.nv))
     v, a = rng.uniform(-1.0, 1.0, (2, count, robot.nv)) * bounds.speed
     typical = np.sqrt(np.mean(robot.inverse_dynamics(q, v, a) ** 2, axis=0))
     typical = np.maximum(typical, 1e-3 * typical.max(initial=0.0) or 1.0)
     is_limited = bounds.torque < UNLIMITED * typical.max(initial=0.0)
-    return Scales(np.where(is_limited, bounds.torque, typical), bounds.speed)
+    return np.where(is_limited, bounds.torque, typical)
 
 
 def _sizes(robot: Robot) -> Array:
