@@ -5,7 +5,6 @@ off.  Squared, these alone would determine the shape: Huber's weights bound them
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.motion import sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
-from cutpoint.identification.rigid.least_squares import huber_weights, solved, split, weighted_rows
-from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression, triangle
+from cutpoint.identification.rigid.least_squares import huber_weights, solved, weighted
+from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression
 from cutpoint.identification.rigid.rigid_estimate import TorqueData
 from cutpoint.identification.rigid.rigid_robot import laws_with
 from cutpoint.mechanics.drives.friction import Sliding
@@ -69,13 +68,12 @@ def _steps(
 ) -> dict[Shape, float]:
     """Gauss-Newton step of each shape."""
     weights, _ = huber_weights(linear)
-    values = solved(*split(triangle(weighted_rows(linear, weights))))[0]
+    values = solved(*weighted(linear, weights))[0]
     laws = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
     shapes, slopes = shape_slopes(base, laws, joints, log, loads)
     sought = [k for k, (_, name) in enumerate(shapes) if not (offsets and name == "asymmetry")]
     shapes, slopes = [shapes[k] for k in sought], slopes[..., sought]
-    both = replace(linear, columns=np.concatenate([linear.columns, slopes], axis=2))
-    steps = solved(*split(triangle(weighted_rows(both, weights))))[0][-len(shapes) :]
+    steps = solved(*weighted(linear.with_columns(slopes), weights))[0][-len(shapes) :]
     return dict(zip(shapes, np.clip(steps, -LONGEST, LONGEST).tolist(), strict=True))
 
 

@@ -5,15 +5,13 @@ noisy positions, which biases least squares towards zero.  Instruments are corre
 their noise: columns of the desired motion, of a simulated one, or, if noise is short-lived, earlier ones.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
-from cutpoint.identification.rigid.regression import Regression, triangle
+from cutpoint.identification.rigid.regression import Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
 LATER = 3
@@ -67,7 +65,7 @@ def _spread(
     regression: Regression, instruments: Array, residuals: Array, noise: Array, shapes: Array, known: Array
 ) -> Spread:
     """shapes (M, n, k), known (M, n, k): as above; shapes are their own instruments."""
-    both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
+    both = regression.with_columns(shapes)
     columns, R, z = _second_stage(both, np.concatenate([instruments, shapes], axis=2), noise)
     _, P, seen = solved(R, z)
     pull = P @ np.einsum("mjc,mjk->ck", columns, known / noise[:, None])
@@ -82,5 +80,4 @@ def _second_stage(regression: Regression, instruments: Array, noise: Array) -> t
     length = np.linalg.norm(Z, axis=0)
     U, s, _ = np.linalg.svd(Z / np.where(length, length, 1.0), full_matrices=False)
     U = U[:, s > UNSEEN * s[0]]
-    both = triangle(U.T @ np.column_stack([W, y]))
-    return (U @ (U.T @ W)).reshape(shape), both[:-1, :-1], both[:-1, -1]
+    return (U @ (U.T @ W)).reshape(shape), *reduced(U.T @ np.column_stack([W, y]))

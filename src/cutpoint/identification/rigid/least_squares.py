@@ -1,6 +1,5 @@
 """Parameters of a regression by least squares: ordinary, weighted by each joint's noise, or robust to outliers."""
 
-from dataclasses import replace
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -11,7 +10,7 @@ from scipy.special import erf
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
-from cutpoint.identification.rigid.regression import Regression, triangle
+from cutpoint.identification.rigid.regression import Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
 
 Method = Literal["ordinary", "weighted", "huber"]
@@ -65,9 +64,9 @@ def least_squares(
     if method == "huber":
         weights, noise = huber_weights(regression)
     else:
-        noise = np.ones(regression.torque.shape[1]) if method == "ordinary" else _weighted(regression)[0]
+        noise = np.ones(regression.torque.shape[1]) if method == "ordinary" else _noise_and_values(regression)[0]
         weights = np.broadcast_to(1.0 / noise, regression.torque.shape)
-    R, z = split(triangle(weighted_rows(regression, weights)))
+    R, z = weighted(regression, weights)
     values = solved(R, z)[0]
     residuals = regression.residuals(values)
     slope = _slope(residuals, noise) if method == "huber" else weights
@@ -93,8 +92,8 @@ def _spread(
     """slope (M, n): derivative of the weighted residuals by the torques.  beside: shapes and known, as above."""
     nothing = np.empty((*residuals.shape, 0))
     shapes, known = (nothing if x is None else x for x in beside)
-    both = replace(regression, columns=np.concatenate([regression.columns, shapes], axis=2))
-    _, P, seen = solved(*split(triangle(weighted_rows(both, slope))))
+    both = regression.with_columns(shapes)
+    _, P, seen = solved(*weighted(both, slope))
     found = spread(weights[..., None] * both.columns, weights * residuals, P, seen)
     pull = P @ np.einsum("mjc,mj,mjk->ck", both.columns, slope**2, known)
     return found.first(len(regression.names), pull)
@@ -102,9 +101,7 @@ def _spread(
 
 def with_further(regression: Regression, columns: Array) -> Estimate:
     """A robust fit with further columns (M, n, k), whose values are the last."""
-    names = (*regression.names, *(f"further.{k}" for k in range(columns.shape[2])))
-    more = replace(regression, names=names, columns=np.concatenate([regression.columns, columns], axis=2))
-    return least_squares(more, "huber")
+    return least_squares(regression.with_columns(columns), "huber")
 
 
 def check_size(regression: Regression) -> None:
@@ -130,38 +127,32 @@ def solved(R: Array, z: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     return inverse @ (U[:, kept].T @ z) / length, P, seen
 
 
-def split(both: Array) -> tuple[Array, Array]:
-    """R and z of a triangle of [columns, torque]."""
-    return both[:-1, :-1], both[:-1, -1]
-
-
 def huber_weights(regression: Regression) -> tuple[Array, Array]:
     """Weights (M, n) that bound each residual's influence, and the noise (n,) without outliers."""
-    noise, values = _weighted(regression)
+    noise, values = _noise_and_values(regression)
     weights, least = np.ones_like(regression.torque), _rounding(np.linalg.norm(regression.torque, axis=0))
     for _ in range(MOST_ROUNDS):
         residuals = regression.residuals(values)
         before, noise = noise, np.maximum(np.median(np.abs(residuals), axis=0) / NORMAL, least)
         size = np.abs(residuals) / noise
         weights = np.sqrt(np.minimum(1.0, EDGE / np.maximum(size, EDGE))) / noise
-        values = solved(*split(triangle(weighted_rows(regression, weights))))[0]
+        values = solved(*weighted(regression, weights))[0]
         if np.abs(noise / before - 1.0).max() < SETTLED:
             break
     return weights, noise
 
 
-def weighted_rows(regression: Regression, weights: Array) -> Array:
-    """Weighted rows of [columns, torque], (M n, c + 1)."""
-    both = np.concatenate([regression.columns, regression.torque[..., None]], axis=2)
-    return (weights[..., None] * both).reshape(-1, both.shape[2])
+def weighted(regression: Regression, weights: Array) -> tuple[Array, Array]:
+    """R x = z of a regression with weights (M, n), see `reduced`."""
+    return reduced(weights[..., None] * regression.rows)
 
 
-def _weighted(regression: Regression) -> tuple[Array, Array]:
+def _noise_and_values(regression: Regression) -> tuple[Array, Array]:
     """Each joint's noise (n,) and the parameters, from only the joints' triangles."""
     factors, rows = regression.factors, len(regression.times)
     noise, values = np.ones(len(factors)), np.zeros(factors.shape[2] - 1)
     for _ in range(MOST_ROUNDS):
-        values = solved(*split(triangle((factors / noise[:, None, None]).reshape(-1, factors.shape[2]))))[0]
+        values = solved(*reduced(factors / noise[:, None, None]))[0]
         before, noise = noise, np.linalg.norm(factors @ [*-values, 1.0], axis=1) / np.sqrt(rows)
         noise = np.maximum(noise, _rounding(np.linalg.norm(factors[:, :, -1], axis=1)))
         if np.abs(noise / before - 1.0).max() < SETTLED:

@@ -38,12 +38,22 @@ class Regression:
     @cached_property
     def factors(self) -> Array:
         """QR triangles (n, c + 1, c + 1) of each joint's [columns, torque], sufficient for least squares."""
-        both = np.concatenate([self.columns, self.torque[..., None]], axis=2)
-        return np.array([triangle(both[:, j]) for j in range(both.shape[1])])
+        rows = self.rows
+        return np.array([triangle(rows[:, j]) for j in range(rows.shape[1])])
+
+    @property
+    def rows(self) -> Array:
+        """[columns, torque], (M, n, c + 1)."""
+        return np.concatenate([self.columns, self.torque[..., None]], axis=2)
 
     def residuals(self, values: Array) -> Array:
         """(M, n): residual torques of parameters (c,)."""
         return self.torque - self.columns @ values
+
+    def with_columns(self, further: Array) -> "Regression":
+        """With further columns (M, n, k), which have no names of their own."""
+        names = (*self.names, *(f"further.{k}" for k in range(further.shape[2])))
+        return Regression(names, np.concatenate([self.columns, further], axis=2), self.torque, self.times)
 
     def part(self, rows: NDArray[np.bool_ | np.intp] | slice) -> "Regression":
         """Some of the times."""
@@ -128,6 +138,12 @@ def triangle(rows: Array) -> Array:
     for start in range(0, len(rows), CHUNK):
         R = np.asarray(qr(np.concatenate([R, rows[start : start + CHUNK]]), mode="r", check_finite=False)[0])[:width]
     return np.concatenate([R, np.zeros((width - len(R), width))])
+
+
+def reduced(rows: Array) -> tuple[Array, Array]:
+    """R (c, c), z (c,): R x = z has the least squares of rows (..., c + 1) of [columns, torque]."""
+    both = triangle(rows.reshape(-1, rows.shape[-1]))
+    return both[:-1, :-1], both[:-1, -1]
 
 
 def of_joint(columns: Array, joint: int, joints: int) -> Array:
