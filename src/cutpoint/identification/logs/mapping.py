@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cutpoint.door import check_kind, path_of
 from cutpoint.errors import ModelError, listed
@@ -27,6 +27,18 @@ class Lineless(YamlDocument):
         return self.file
 
 
+class Mapped(NamedTuple):
+    """A quantity of a mapping: its name and its fields.  section: of the whole file."""
+
+    name: str
+    sheet: ChannelSheet
+    section: Section
+
+    def error(self, key: str, complaint: str) -> ModelError:
+        """An error at the line of a field."""
+        return self.section.error((self.name, key), complaint)
+
+
 @dataclass(frozen=True, eq=False)
 class ChannelMap:
     """A mapping, and the places of its fields, for messages."""
@@ -35,10 +47,10 @@ class ChannelMap:
     section: Section
 
     @property
-    def quantities(self) -> dict[str, ChannelSheet]:
+    def quantities(self) -> dict[str, Mapped]:
         """The mapped quantities, by name."""
         found = {name: getattr(self.sheet, name) for name in QUANTITIES}
-        return {name: sheet for name, sheet in found.items() if sheet is not None}
+        return {name: Mapped(name, sheet, self.section) for name, sheet in found.items() if sheet is not None}
 
 
 def load_mapping(path: str | Path) -> ChannelMap:
@@ -92,27 +104,28 @@ def _check(mapping: ChannelMap) -> None:
         raise section.error(("joints",), f"joints {sheet.joints} must be distinct names")
     if sheet.ratio and 0.0 in sheet.ratio:
         raise section.error(("ratio",), "ratio must not be zero")
-    for name, quantity in mapping.quantities.items():
-        _check_quantity(name, quantity, section)
+    for quantity in mapping.quantities.values():
+        _check_quantity(quantity)
 
 
-def _check_quantity(name: str, sheet: ChannelSheet, section: Section) -> None:
+def _check_quantity(quantity: Mapped) -> None:
+    name, sheet, _ = quantity
     if set(sheet.sign) - {1.0, -1.0}:
-        raise section.error((name, "sign"), f"{name}.sign {sheet.sign} must be 1 or -1; a scale factor goes into gain")
+        raise quantity.error("sign", f"{name}.sign {sheet.sign} must be 1 or -1; a scale factor goes into gain")
     if sheet.gain and 0.0 in sheet.gain:
-        raise section.error((name, "gain"), f"{name}.gain must not be zero")
+        raise quantity.error("gain", f"{name}.gain must not be zero")
     for unit in sheet.unit or ():
-        check_unit(name, sheet, unit, section)
+        check_unit(quantity, unit)
 
 
-def check_unit(name: str, sheet: ChannelSheet, unit: str, section: Section) -> None:
+def check_unit(quantity: Mapped, unit: str) -> None:
     """Raises ModelError for a unit that the quantity cannot have, or that needs another number."""
+    name, sheet, _ = quantity
     if unit == COUNTS.get(name):
         if sheet.counts_per_turn is None and sheet.gain is None:
-            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'counts_per_turn'")
+            raise quantity.error("unit", f"{name}.unit {unit!r} needs 'counts_per_turn'")
     elif unit in WITH_GAIN and unit not in UNITS[name]:
         if sheet.gain is None:
-            raise section.error((name, "unit"), f"{name}.unit {unit!r} needs 'gain': the SI value of one {unit}")
+            raise quantity.error("unit", f"{name}.unit {unit!r} needs 'gain': the SI value of one {unit}")
     elif unit not in UNITS[name]:
-        known = listed(UNITS[name])
-        raise section.error((name, "unit"), f"{name}.unit {unit!r} is not known; use {known}, or state 'gain'")
+        raise quantity.error("unit", f"{name}.unit {unit!r} is not known; use {listed(UNITS[name])}, or state 'gain'")

@@ -53,16 +53,17 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     check_kind("recording_of", "table", table, Table, "a Table (read_table reads files)")
     check_kind("recording_of", "mapping", mapping, ChannelMap, "a ChannelMap (load_mapping reads files)")
     check_kind("recording_of", "robot", robot, (Robot, NoneType), "a Robot (cutpoint.load reads files), or None")
-    columns = {name: columns_of(name, mapping, table) for name in mapping.quantities}
+    quantities = mapping.quantities
+    columns = {name: columns_of(quantity, table) for name, quantity in quantities.items()}
     joints = _joints(next(iter(columns.values())), mapping, robot)
     ratios = {name: drive.ratio for name, drive in robot.drives.items()} if robot else {}
     ratio = stated_ratio(joints, ratios, mapping)
     slides = np.array([joint in _slides(robot) for joint in joints])
-    chosen = {name: picked(name, each, joints, mapping) for name, each in columns.items()}
+    chosen = {name: picked(quantities[name], each, joints) for name, each in columns.items()}
     if robot:
         for name, each in chosen.items():
-            check_kinds(name, each, joints, _slides(robot), mapping)
-    measured = {name: in_si(name, each, ratio, slides, mapping) for name, each in chosen.items()}
+            check_kinds(quantities[name], each, joints, _slides(robot))
+    measured = {name: in_si(quantities[name], each, ratio, slides) for name, each in chosen.items()}
     with placed(table.file):
         time, channels, notes = at_common_times(table, mapping, joints, measured)
         recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
@@ -98,14 +99,14 @@ def _joints(first: Columns, mapping: ChannelMap, robot: Robot | None) -> tuple[s
 
 def _too_many_or_few(wide: int, mapping: ChannelMap, driven: tuple[str, ...]) -> ModelError:
     """Error for columns without joint names, in another number than the robot's joints."""
-    name, sheet = next(iter(mapping.quantities.items()))
+    quantity = next(iter(mapping.quantities.values()))
     joints = f"{counted(len(driven), 'driven joint')}, {listed(driven)}"
-    rule = f"{name} has {counted(wide, 'column')}, but the robot has {joints}"
+    rule = f"{quantity.name} has {counted(wide, 'column')}, but the robot has {joints}"
     if wide < len(driven):
         remedy = "state whose they are as 'joints' in the mapping, or lock the joints that were not recorded (--lock)"
         return mapping.section.error(("joints",), f"{rule}; {remedy}")
-    extra = sheet.channels[len(driven) :] if len(sheet.channels) == wide else ()
+    named = quantity.sheet.channels
+    extra = named[len(driven) :] if len(named) == wide else ()
     what = f"nothing says whose {listed(extra)} are" if extra else "nothing says which belong to them"
-    return mapping.section.error(
-        (name, "channels"), f"{rule}: {what}; name the joints' columns in a mapping, '{name}: [...]'"
-    )
+    remedy = f"name the joints' columns in a mapping, '{quantity.name}: [...]'"
+    return quantity.error("channels", f"{rule}: {what}; {remedy}")
