@@ -210,6 +210,4 @@ def _stretches(values: Array, found: Array) -> Iterator[tuple[slice, Array, Arra
 
 
 def _parts(column: Array) -> list[slice]:
-    known = np.concatenate([[False], np.isfinite(column), [False]])
-    edges = np.flatnonzero(known[1:] != known[:-1])
-    return [slice(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+    return np.ma.clump_unmasked(np.ma.masked_invalid(column))

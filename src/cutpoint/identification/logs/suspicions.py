@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from scipy.ndimage import binary_erosion
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
@@ -191,9 +192,5 @@ def _is_constant(x: Array) -> bool:
 def _is_cut_off(x: Array) -> bool:
     if _is_constant(x) or not np.isfinite(x).any():
         return False
-    for extreme in (np.nanmin(x), np.nanmax(x)):
-        at = x == extreme
-        ends = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]])))
-        if at.mean() > CUT_OFF and np.diff(ends)[::2].max() >= IN_A_ROW:
-            return True
-    return False
+    extremes = x == np.nanmin(x), x == np.nanmax(x)
+    return any(at.mean() > CUT_OFF and binary_erosion(at, np.ones(IN_A_ROW)).any() for at in extremes)
