@@ -10,6 +10,7 @@ from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
+from cutpoint.identification.conditioning.motion import moves
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.logs.resampling import on_grid
 
@@ -37,7 +38,7 @@ def skews(recording: Recording) -> dict[str, Skew]:
     found = {
         joint: _skew(recording["q"][:, k], recording["theta"][:, k], torques, k, period)
         for k, joint in enumerate(recording.joints)
-        if _moves(recording["q"][:, k]) and _moves(recording["theta"][:, k])
+        if moves(recording["q"][:, k]) and moves(recording["theta"][:, k])
     }
     if not found:
         raise InputError("no joint moves in both 'q' and 'theta': nothing shows a delay")
@@ -100,11 +101,6 @@ def _delay(given: Skew | float) -> float:
     if not np.isfinite(delay):
         raise InputError(f"aligned: delay {delay} s must be finite", delay=delay)
     return delay
-
-
-def _moves(x: Array) -> bool:
-    known = x[np.isfinite(x)]
-    return bool(known.size and np.ptp(known) > 0.0)
 
 
 def _earlier(time: Array, values: Array, delays: Array) -> Array:

@@ -57,7 +57,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     if not sides:
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
-    if not any(map(_moves, sides.values())):
+    if not any(moves(x) for positions in sides.values() for x in positions.T):
         words = f"no joint moves: {' and '.join(sides)} never change at {listed(robot.joints)}"
         raise InputError(f"{words}; record a motion, as of cutpoint excite, or map other channels")
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
@@ -72,9 +72,10 @@ def still_joints(robot: Robot, motion: Motion) -> list[str]:
     return [joint for joint, v in zip(robot.joints, motion.v.T, strict=True) if not np.nan_to_num(v).any()]
 
 
-def _moves(positions: Array) -> bool:
-    """Whether any of positions (N, n) changes; NaN where unknown."""
-    return any(bool(np.ptp(x[np.isfinite(x)])) for x in positions.T if np.isfinite(x).any())
+def moves(positions: Array) -> bool:
+    """Whether positions (N,) change; NaN where unknown."""
+    known = positions[np.isfinite(positions)]
+    return bool(known.size and np.ptp(known) > 0.0)
 
 
 def _without_noise_at_rest(positions: Array) -> Array:
