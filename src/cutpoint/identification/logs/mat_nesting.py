@@ -24,9 +24,8 @@ MOST_DIMENSIONS = 32
 
 
 class Element(NamedTuple):
-    """The tag of an element, its content, and the start of the next one."""
+    """The content of an element, and the start of the next one."""
 
-    kind: int
     content: memoryview
     end: int
 
@@ -80,9 +79,9 @@ def _element(array: memoryview, place: int, order: Any) -> Element:
     """The element at a position; up to four bytes are within its tag."""
     kind = int.from_bytes(array[place : place + 4], order)
     if kind >> 16:
-        return Element(kind & 0xFFFF, array[place + 4 : place + 4 + min(4, kind >> 16)], place + 8)
+        return Element(array[place + 4 : place + 4 + min(4, kind >> 16)], place + 8)
     size = int.from_bytes(array[place + 4 : place + 8], order)
-    return Element(kind, array[place + 8 : place + 8 + size], place + 8 + size + -size % 8)
+    return Element(array[place + 8 : place + 8 + size], place + 8 + size + -size % 8)
 
 
 def _number(content: memoryview, order: Any) -> int:
