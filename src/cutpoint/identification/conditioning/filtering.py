@@ -22,7 +22,7 @@ that, the step response has settled to 1 %, at the default order."""
 ABOVE_FLOOR = 10.0
 """Times the noise floor's power: lines above this are motion."""
 
-APART = 4.0
+MOTION_ENDS = 4.0
 """Motion ends where nothing exceeds the noise up to this many times the frequency.  Its harmonics are nearer."""
 
 FEWEST = 3
@@ -185,10 +185,10 @@ def _cutoff(x: Array, period: float) -> float:
 
 
 def _lines(loud: NDArray[np.bool_], clear: NDArray[np.bool_], peak: int) -> NDArray[np.intp]:
-    """Clear bins of a spectrum up to the end of the motion: from the peak on, each loud bin is at less than APART times
-    the frequency of the one before."""
+    """Clear bins of a spectrum up to the end of the motion: from the peak on, each loud bin is at less than MOTION_ENDS
+    times the frequency of the one before."""
     found = np.flatnonzero(loud)
-    gaps = np.flatnonzero((found[1:] > APART * (found[:-1] + 1)) & (found[:-1] >= peak))
+    gaps = np.flatnonzero((found[1:] > MOTION_ENDS * (found[:-1] + 1)) & (found[:-1] >= peak))
     end = found[gaps[0]] if gaps.size else found[-1]
     return np.flatnonzero(clear[: end + 1])
 

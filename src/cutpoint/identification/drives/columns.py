@@ -68,8 +68,8 @@ def reach_columns(deflection: Array, stiffness: Array, reaches: Array) -> Array:
     return stiffness * (ends[0] - ends[1]) / (2.0 * NEARBY * reaches)
 
 
-def paired(stiffness: Array, reaches: Array, apart: float) -> tuple[Array, Array]:
-    """Elements (k,) after merging pairs whose reaches differ by at most a factor `apart`; stiffnesses add up.
+def paired(stiffness: Array, reaches: Array, ratio: float) -> tuple[Array, Array]:
+    """Elements (k,) after merging pairs whose reaches differ by at most a factor `ratio`; stiffnesses add up.
 
     One element that slips between two of the offered reaches is estimated as these two.
     """
@@ -77,7 +77,7 @@ def paired(stiffness: Array, reaches: Array, apart: float) -> tuple[Array, Array
     left = [(float(k), float(r)) for k, r in zip(stiffness, reaches, strict=True) if k > 0.0]
     while left:
         k, r = left.pop(0)
-        if left and left[0][1] <= apart * r:
+        if left and left[0][1] <= ratio * r:
             other, longer = left.pop(0)
             k, r = k + other, (k * r + other * longer) / (k + other)
         found.append((k, r))

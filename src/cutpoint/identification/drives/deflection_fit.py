@@ -27,7 +27,7 @@ ELEMENTS = 8
 RANGE = 30.0
 """Largest ratio of the longest reach offered to the shortest."""
 
-APART = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
+NEIGHBOURS = 1.01 * RANGE ** (1.0 / (ELEMENTS - 1))
 """Largest ratio of neighbouring reaches offered."""
 
 LARGEST_REACH = 0.6
@@ -74,7 +74,7 @@ def _with_elements(data: Deflections, found: DeflectionFit, free: _Free, element
 
 def _with_reaches(data: Deflections, before: DeflectionFit, free: _Free, damped: bool) -> DeflectionFit:
     """A fit with fewer elements but free reaches, if its residual is smaller."""
-    stiffness, reaches = paired(before.stiffness, before.reaches, APART)
+    stiffness, reaches = paired(before.stiffness, before.reaches, NEIGHBOURS)
     found = replace(before, stiffness=stiffness, reaches=reaches, moving=True)
     for _ in range(ROUNDS):
         found = _round(data, found, free, damped)

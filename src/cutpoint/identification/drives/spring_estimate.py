@@ -102,7 +102,7 @@ def estimate_of(
     sentences = {
         "stiffness": weak,
         "curve near zero torque": _bare(data, fit),
-        "kinematic_error": _not_apart(data, fit, orders) if orders else _no_waves(data, fit, turns),
+        "kinematic_error": _confounded(data, fit, orders) if orders else _no_waves(data, fit, turns),
         "hysteresis": _closed(data, fit) if hysteresis else "",
         "damping": _undamped(fit, float(np.sqrt(spread[-1, -1])), not weak) if damping else "",
     }
@@ -133,8 +133,8 @@ def _chosen(
     fit, names = rivals[best], _names(rivals[best], orders, unknowns, damping)
     spread = covariance(fit.columns, fit.residual)
     for other in (rivals[count] for count in not_worse(errors, best)):
-        apart = _apart(names, fit.values, _names(other, orders, unknowns, damping), other.values)
-        spread = spread + np.outer(apart, apart)
+        differences = _differences(names, fit.values, _names(other, orders, unknowns, damping), other.values)
+        spread = spread + np.outer(differences, differences)
     return fit, names, spread
 
 
@@ -201,13 +201,13 @@ def _names(fit: DeflectionFit, orders: Sequence[int], unknowns: Sequence[str], d
     return (*fit.law.constants, *waves_of, "offset", *unknowns, *reaches, *elements, *(["damping"] if damping else []))
 
 
-def _apart(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:
+def _differences(names: Sequence[str], values: Array, others: Sequence[str], theirs: Array) -> Array:
     """By how much another fit's values differ, (p,); its elements are different ones and do not count."""
     known = {name: x for name, x in zip(others, theirs.tolist(), strict=True) if not name.startswith(("reach", "elem"))}
     return np.array([known.get(name, x) - x for name, x in zip(names, values.tolist(), strict=True)])
 
 
-def _not_apart(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> str:
+def _confounded(data: Deflections, fit: DeflectionFit, orders: Sequence[int]) -> str:
     """Waves that correlate with the spring's deflection, of either sign, cannot be separated from it."""
     waves = data.waves(orders) @ fit.waves
     share = _likeness(waves, fit.law.deflection(fit.constants, data.torque))

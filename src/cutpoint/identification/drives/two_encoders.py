@@ -87,8 +87,8 @@ def two_encoders(
     found = estimate_of(
         data, rivals, tuple(kept), tuple(reading.unknowns), turns, prediction, hysteresis=hysteresis, damping=damping
     )
-    apart = as_stated(stated) if stated and _is_apart(stated, found.compliance) else None
-    if apart and _is_as_good(data, apart, rivals[offered[-1]], kept, offered[-1], damping):
+    curve = as_stated(stated) if stated and _says_more(stated, found.compliance) else None
+    if curve and _is_as_good(data, curve, rivals[offered[-1]], kept, offered[-1], damping):
         found = replace(found, unidentifiable={"stiffness": AS_STATED, **found.unidentifiable})
     return found
 
@@ -165,7 +165,7 @@ def _best_law(
     return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
 
 
-def _is_apart(stated: Compliance, found: Compliance) -> bool:
+def _says_more(stated: Compliance, found: Compliance) -> bool:
     """Whether a file's curve has more than the one found: another law, or the corners between segments, which only far
     larger torques determine reliably."""
     return type(stated) is not type(found) or isinstance(stated, CatalogueSpring)

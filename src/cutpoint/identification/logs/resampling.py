@@ -47,7 +47,7 @@ def on_grid(times: Array, values: Array, grid: Array, bridge: float = 0.0) -> Ar
     found = np.full((grid.size, columns.shape[1]), np.nan)
     for column, result in zip(columns.T, found.T, strict=True):
         known = np.isfinite(column)
-        t, x = _apart(times[known], column[known])
+        t, x = _merged(times[known], column[known])
         for part in _connected(t, bridge):
             inside = (grid >= t[part[0]] - slack) & (grid <= t[part[-1]] + slack)
             result[inside] = _interpolated(t[part], x[part], grid[inside])
@@ -60,7 +60,7 @@ def close(times: Array) -> NDArray[np.bool_]:
     return np.append(False, steps < CLOSE * np.median(steps)) if steps.size else np.zeros(times.size, bool)
 
 
-def _apart(times: Array, values: Array) -> tuple[Array, Array]:
+def _merged(times: Array, values: Array) -> tuple[Array, Array]:
     """Times and values (N,), with samples too close to the one before averaged with it."""
     own = np.cumsum(~close(times)) - 1
     count = np.bincount(own)

@@ -22,7 +22,7 @@ IN_A_ROW = 5
 TURNS = 4.0
 """Turns: positions of an arm hardly span more."""
 
-APART = 0.02
+MOST_DEFLECTION = 0.02
 """rad: no drive's spring deflects this far at rest."""
 
 FITS = 0.1
@@ -136,7 +136,7 @@ def _other_zeros(recording: Recording) -> Iterator[str]:
     """A note on each joint whose encoders have different zeros."""
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
         lead = _known(theta - x)
-        if abs(float(np.median(lead))) > max(APART, float(np.ptp(lead))):
+        if abs(float(np.median(lead))) > max(MOST_DEFLECTION, float(np.ptp(lead))):
             yield f"theta of {joint!r} leads q by about {np.median(lead):.3g} rad (m) throughout: do their zeros agree?"
 
 
@@ -160,7 +160,7 @@ def _multiple(found: Array, expected: Array, time: Array) -> float | None:
     apart = found - expected
     known = np.isfinite(apart)
     drift = np.polynomial.Polynomial.fit(time[known], apart[known], 1)(time) if known.any() else 0.0
-    return None if np.ptp(_known(apart - drift)) < APART else _factor(found, expected, time)
+    return None if np.ptp(_known(apart - drift)) < MOST_DEFLECTION else _factor(found, expected, time)
 
 
 def _notes_on_factor(thing: str, other: str, factor: float | None) -> Iterator[str]:

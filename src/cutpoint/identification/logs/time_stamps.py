@@ -47,14 +47,14 @@ class Ordered(NamedTuple):
 def ordered(stamps: Array, values: Array, name: str) -> Ordered:
     """Stamps (N,), s, in order, without repetitions, with a note on each repair.
 
-    values: (N, columns) at these stamps; a repeated row is left out silently.  name: the log, for messages.
+    values: (N, columns) at these stamps; a repeated row is left out, with a note too.  name: the log, for messages.
 
     Raises InputError: too few samples, a clock that was set back, or more than `BAD` of them unusable.
     """
     notes: list[str] = []
     rows = _finite(stamps, name, notes)
     rows = _sorted(stamps, rows, name, notes)
-    rows = _apart(stamps, values, rows, name, notes)
+    rows = _distinct(stamps, values, rows, name, notes)
     times = stamps[rows] - stamps[rows[0]]
     _notes_on_gaps(times, name, notes)
     return Ordered(times, float(stamps[rows[0]]), rows, notes)
@@ -103,7 +103,7 @@ def _sorted(stamps: Array, rows: NDArray[np.intp], name: str, notes: list[str]) 
     return rows[np.argsort(stamps[rows], kind="stable")]
 
 
-def _apart(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, notes: list[str]) -> NDArray[np.intp]:
+def _distinct(stamps: Array, values: Array, rows: NDArray[np.intp], name: str, notes: list[str]) -> NDArray[np.intp]:
     again = np.flatnonzero(np.diff(stamps[rows]) == 0.0) + 1
     same = [k for k in again if np.array_equal(values[rows[k]], values[rows[k - 1]], equal_nan=True)]
     if same:

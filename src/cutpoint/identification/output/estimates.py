@@ -30,14 +30,14 @@ ZEROS = 2e-3
 
 
 class Estimates(NamedTuple):
-    """drives: None if not sought, or not found, see notes.  apart: joints whose rotors come from there.
+    """drives: None if not sought, or not found, see notes.  rotors: joints whose rotors come from there.
 
     doubts: gears, clocks and delays that differ from what was stated.
     """
 
     rigid: RigidEstimate
     drives: DriveEstimates | None
-    apart: tuple[str, ...] = ()
+    rotors: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
@@ -75,17 +75,17 @@ def estimates(
     found = drives.joints.items()
     doubts = (*gains, *drives.doubts, *_late(drives, torque_delay))
     notes = (*_coarse(drives), *_zeros(drives), *drives.notes)
-    apart = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
+    rotors = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
-    if not apart and not errors:
+    if not rotors and not errors:
         return Estimates(rigid, drives, (), doubts, notes)
     say("links again, with what the motors tell")
     # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
-    again = _with_rotors(before, drives, apart, fitted, **how)
-    return Estimates(again, drives, apart, doubts, notes)
+    again = _with_rotors(before, drives, rotors, fitted, **how)
+    return Estimates(again, drives, rotors, doubts, notes)
 
 
 def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:
@@ -139,15 +139,15 @@ def springs_wanted(before: Robot, recording: Recording, springs: bool | None) ->
 
 
 def _with_rotors(
-    before: Robot, sprung: DriveEstimates, apart: Sequence[str], fitted: Recording, **how: Any
+    before: Robot, sprung: DriveEstimates, known: Sequence[str], fitted: Recording, **how: Any
 ) -> RigidEstimate:
     """Links and friction with known rotors: torques determine sums of both, the motors' sides separate them."""
-    rotors = {joint: sprung.joints[joint].rotor for joint in apart}
+    rotors = {joint: sprung.joints[joint].rotor for joint in known}
     drives = {joint: _turning(before.drives[joint], rotor.inertia) for joint, rotor in rotors.items()}
     errors = {joint: rotor.deviations["inertia"] for joint, rotor in rotors.items()}
-    sides = {joint: sprung.joints[joint].drive.link_friction for joint in apart}
+    sides = {joint: sprung.joints[joint].drive.link_friction for joint in known}
     rubs = {joint: law for joint, law in sides.items() if law is not None}
-    sought = [joint for joint in before.joints if joint not in apart]
+    sought = [joint for joint in before.joints if joint not in known]
     how |= {"rotors": sought if how["rotors"] else False, "rotor_errors": errors, "link_friction": rubs}
     return identify_rigid(before.with_drives(drives), fitted, **how)
 

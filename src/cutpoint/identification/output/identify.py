@@ -220,7 +220,7 @@ def _fitted(recording: Recording, hold_out: float) -> tuple[Recording, float]:
 def _numbers(before: Robot, after: Robot, found: Estimates) -> tuple[Number, ...]:
     numbers = rigid_numbers(after, found.rigid)
     for joint, each in found.drives.joints.items() if found.drives else ():
-        own = drive_numbers(joint, before.drives[joint], each, joint in found.apart)
+        own = drive_numbers(joint, before.drives[joint], each, joint in found.rotors)
         numbers += tuple(
             replace(each, unit=at_joints(before, each.unit)[joint], why=words_at(before, joint, each.why))
             for each in own
