@@ -6,6 +6,7 @@ Econometrica 55(3).
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 
@@ -14,6 +15,12 @@ FARTHEST = 3.0
 
 NORMAL = 0.6745
 """Median of |x| of a standard normal x."""
+
+
+def autocorrelations(x: Array) -> Array:
+    """Sums of x (N,) times itself 0 to N - 1 samples later, (N,)."""
+    padded = np.fft.rfft(x, 2 * x.size)
+    return np.fft.irfft((padded * padded.conj()).real)[: x.size]
 
 
 def as_found(scores: Array, length: int) -> Array:
@@ -48,3 +55,10 @@ def at_least(covariance: Array, other: Array) -> Array:
     own, least = np.diag(covariance), np.diag(other)
     larger = np.sqrt(np.maximum(least / np.where(own > 0.0, own, 1.0), 1.0))
     return covariance * np.outer(larger, larger)
+
+
+def without(covariance: Array, unseen: NDArray[np.bool_]) -> Array:
+    """A covariance (p, p), with infinite variances of what was not observed, (p,)."""
+    found = np.where(unseen | unseen[:, None], 0.0, covariance)
+    found[unseen, unseen] = np.inf
+    return found

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
-from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least
+from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least, without
 
 WINDOWS = 25
 """Errors that change within one part in this many of the recording are accounted for."""
@@ -53,7 +53,7 @@ def covariance(jacobian: Array, residual: Array) -> Array:
     spread = at_least(inverse @ found @ inverse, inverse @ steady @ inverse)
     spread = spread / np.outer(size, size) / _left(residual, int(np.count_nonzero(shown)))
     lost = np.diag(spread) < 0.0  # only rounding errors
-    return _without(spread, lost | _undetermined(scaled.T @ scaled))
+    return without(spread, lost | _undetermined(scaled.T @ scaled))
 
 
 def _left(residual: Array, fitted: int) -> float:
@@ -73,10 +73,3 @@ def _undetermined(gram: Array) -> NDArray[np.bool_]:
     values, directions = np.linalg.eigh(gram)
     hidden = directions[:, values < gram.shape[0] * np.finfo(float).eps * max(values[-1], 1.0)]
     return np.asarray((np.abs(hidden) > 1e-3).any(axis=1))
-
-
-def _without(covariance: Array, which: NDArray[np.bool_]) -> Array:
-    found = covariance.copy()
-    found[which, :] = found[:, which] = 0.0
-    found[which, which] = np.inf
-    return found

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import t
 
 from cutpoint.arrays import Array
+from cutpoint.identification.conditioning.correlated_noise import autocorrelations
 
 DRAWS = 1000
 
@@ -85,9 +86,7 @@ def _spread(both: Array, length: int) -> float:
 def block_length(x: Array) -> float:
     """Block length, in samples, that is best for the spread of the mean of x (N,), 1 at least."""
     count = x.size
-    x = x - x.mean()
-    padded = np.fft.rfft(x, 2 * count)
-    R = np.fft.irfft((padded * padded.conj()).real)[:count] / count
+    R = autocorrelations(x - x.mean()) / count
     lags = min(2 * _memory(R), count - 1)
     k = np.arange(1, lags + 1)
     # flat up to half of the lags, then falling to zero

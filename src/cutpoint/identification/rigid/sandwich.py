@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.stats import t
 
 from cutpoint.arrays import Array
-from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least
+from cutpoint.identification.conditioning.correlated_noise import alike, as_found, at_least, autocorrelations, without
 
 TIMES = 5.0
 """Largest lag, in correlation times of the residuals.  Sokal (1997)."""
@@ -61,18 +61,14 @@ def spread(design: Array, residuals: Array, P: Array, seen: NDArray[np.bool_]) -
     found = as_found(np.einsum("mjc,mj->mc", pull, left), lag + 1)
     # noise of different joints is taken as independent
     steady = sum(alike(pull[:, j], left[:, j], lags[j] + 1) for j in range(n))
-    covariance = at_least(found, np.asarray(steady))
-    covariance[~seen] = covariance[:, ~seen] = 0.0
-    covariance[~seen, ~seen] = np.inf
+    covariance = without(at_least(found, np.asarray(steady)), ~seen)
     free = max(1.0, M * n / correlation - c)
     return Spread(covariance, min(free, max(1.0, 1.5 * M / (lag + 1.0))), lag, correlation)
 
 
 def _memory(residual: Array) -> tuple[int, float]:
     """The lag after which a joint's residuals (M,) are uncorrelated, and their correlation time, both in rows."""
-    M = residual.size
-    padded = np.fft.rfft(residual, 2 * M)
-    rho = np.fft.irfft((padded * padded.conj()).real)[: max(2, int(LONGEST * M))]
+    rho = autocorrelations(residual)[: max(2, int(LONGEST * residual.size))]
     rho = rho / max(rho[0], np.finfo(float).tiny)
     times = 2.0 * np.cumsum(rho) - 1.0
     lags = np.flatnonzero(np.arange(rho.size) >= TIMES * np.maximum(times, 0.2))
