@@ -158,7 +158,7 @@ def estimate_of(
             *_standing(robot, log),
             *_simplified(model, robot),
             *_notes(log, found, estimate),
-            *strained(table),
+            *strained(table, _costs(fitted)),
             *_curves(fitted, choices),
         ),
         friction=choices,
@@ -197,6 +197,14 @@ def _table(fitted: Fitted, level: float) -> tuple[Parameter, ...]:
     stated = np.array([stated_coefficient(base.robot, name) for name in found.names[b:]])
     prior = np.concatenate([base.nominal, stated])
     return parameters(found.names, estimate, bodies.base, prior, sizes, level)
+
+
+def _costs(fitted: Fitted) -> dict[str, float]:
+    """By joint, the torque error with physically consistent bodies over that of the fit's own numbers."""
+    errors = (fitted.regression.residuals(values) for values in (fitted.bodies.base, fitted.estimate.values))
+    model, own = (np.sqrt(np.mean(each**2, axis=0)) for each in errors)
+    ratios = np.where(own > 0.0, model, 1.0) / np.where(own > 0.0, own, 1.0)
+    return dict(zip(fitted.base.robot.joints, ratios.tolist(), strict=True))
 
 
 def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str]) -> Array:

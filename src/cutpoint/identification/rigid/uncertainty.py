@@ -1,6 +1,6 @@
 """Confidence intervals of parameters, and what a log cannot determine."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,9 @@ from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
 TOLD = 0.3
 """A parameter is determined if its standard deviation is at most this share of its size, here or in the file."""
 
+
+COSTLY = 1.1
+"""Times the torque error without them: from there on it is told what physically consistent bodies cost."""
 
 STRAINED = 2.0
 """Half widths of an interval from its middle: a model's number farther off contradicts the log."""
@@ -95,10 +98,11 @@ def reversed_signs(found: Sequence[Parameter]) -> list[str]:
     return [f"friction or inertia of {turned} comes out negative: {reason}"] if turned else []
 
 
-def strained(found: Sequence[Parameter]) -> list[str]:
+def strained(found: Sequence[Parameter], costs: Mapping[str, float]) -> list[str]:
     """Sentences if physically consistent bodies, near the file's, or friction could not match the log.
 
     None if signs are reversed, which explains both.
+    costs: by joint, the model's torque error over that of the log's own numbers.
     """
     if _turned(found):
         return []
@@ -107,8 +111,13 @@ def strained(found: Sequence[Parameter]) -> list[str]:
     bodies = [name for name in far if name not in rubs]
     notes: list[str] = []
     if bodies:
+        more = [f"{cost:.2f} times at {joint}" for joint, cost in costs.items() if cost > COSTLY]
+        cost = f", and torque errors are larger for it ({', '.join(more)})" if more else ""
         reason = "the file's bodies, near which they stay, may be placeholders; state roughly what they weigh"
-        notes.append(f"the model's bodies miss the intervals of {len(bodies)} told numbers, {_some(bodies)}: {reason}")
+        reason += "; or no bodies are like this: check axes, zeros and torque constants" if more else ""
+        notes.append(
+            f"the model's bodies miss the intervals of {len(bodies)} told numbers, {_some(bodies)}{cost}: {reason}"
+        )
     if rubs:
         reason = "no part of friction may push, nor be less at rest than in motion, nor take the whole load"
         notes.append(f"the model's friction misses the intervals of {_some(rubs)}: {reason}")
