@@ -7,7 +7,7 @@ import pinocchio
 import pytest
 
 from cutpoint import Robot, derivatives
-from cutpoint.derivatives.large import forward_dynamics
+from cutpoint.derivatives.large import solved
 from cutpoint.errors import InputError
 from cutpoint.model import Joint, Link
 from cutpoint.model.build import build
@@ -73,7 +73,8 @@ def test_matrices_without_an_inverse_are_told() -> None:
         assert solver(wrong, given) is None
         assert solver(np.stack([M, wrong]), np.stack([given, given])) is None
     with pytest.raises(InputError, match="forward_dynamics_derivatives: the first 2 rows of the mass matrix"):
-        forward_dynamics(np.zeros(5), *np.ones((3, 5, 5)), Solver(Factored(robot.machine.system), [5, 5]))
+        M, *B = np.ones((3, 5, 5))
+        solved(np.zeros(5), M, B, Solver(Factored(robot.machine.system), [5, 5]), "forward_dynamics_derivatives")
 
 
 def test_a_joint_that_moves_no_inertia_is_told() -> None:
