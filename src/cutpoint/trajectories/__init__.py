@@ -8,7 +8,4 @@ from cutpoint.trajectories.samples import from_samples
 from cutpoint.trajectories.trajectory import Sample, Trajectory
 from cutpoint.trajectories.waypoints import waypoints
 
-__all__ = [
-    "Sample", "Trajectory", "cycloid", "from_csv", "from_samples", "quintic", "retimed", "septic",
-    "waypoints",
-]  # fmt: skip
+__all__ = ["Sample", "Trajectory", "cycloid", "from_csv", "from_samples", "quintic", "retimed", "septic", "waypoints"]

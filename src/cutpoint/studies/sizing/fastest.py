@@ -1,8 +1,11 @@
 """How fast drives can do a motion: the shortest duration in which every limit holds."""
 
+import itertools
 import math
+from collections.abc import Callable
 
 from cutpoint.errors import InputError
+from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
 from cutpoint.studies.sizing.sizing import Sizing, as_driven, sizing
 from cutpoint.trajectories.retimed import retimed
@@ -26,23 +29,31 @@ def fastest(
             must be held at any speed, or none that a 128 times faster one breaks.
     """
 
-    def at(slower: float) -> Sizing:
-        motion = retimed(trajectory, trajectory.duration * slower)
-        return as_driven(robot, motion, dwell, period * slower, life)
-
     given = sizing(robot, trajectory, dwell=dwell, period=period, life=life)
+    with Bar("shortest time", DOUBLINGS + HALVINGS + 1) as bar:
+        tries = itertools.count(1)
+
+        def at(slower: float) -> Sizing:
+            bar.show(next(tries))
+            motion = retimed(trajectory, trajectory.duration * slower)
+            return as_driven(robot, motion, dwell, period * slower, life)
+
+        fails, holds = _bracket(given, at)
+        for _ in range(HALVINGS):
+            middle = math.sqrt(fails * holds)
+            fails, holds = (fails, middle) if at(middle).holds else (middle, holds)
+        return at(holds)
+
+
+def _bracket(given: Sizing, at: Callable[[float], Sizing]) -> tuple[float, float]:
+    """Factors of the duration, one twice the other: with the shorter a limit is broken, with the longer none is."""
     step = 0.5 if given.holds else 2.0
-    k, found = 0, given
-    while found.holds == given.holds:
-        k += 1
-        if k > DOUBLINGS:
-            raise _none(found)
+    for k in range(1, DOUBLINGS + 1):
         found = at(step**k)
-    fails, holds = (step**k, step ** (k - 1)) if given.holds else (step ** (k - 1), step**k)
-    for _ in range(HALVINGS):
-        middle = math.sqrt(fails * holds)
-        fails, holds = (fails, middle) if at(middle).holds else (middle, holds)
-    return at(holds)
+        if found.holds != given.holds:
+            return min(step**k, step ** (k - 1)), max(step**k, step ** (k - 1))
+        given = found
+    raise _none(given)
 
 
 def _none(found: Sizing) -> InputError:
