@@ -112,6 +112,7 @@ REFUSED: dict[str, tuple[Callable[[Any, Any], Any], str]] = {
     "float": (lambda x, y: float(x), "float()"),
     "int": (lambda x, y: [y][x], "no value"),
     "math": (lambda x, y: math.sin(x), "cutpoint.sin"),
+    "numpy's floor": (lambda x, y: np.floor(x), "use it outside the kernel"),
     "numpy function": (lambda x, y: np.tanh(x), "cutpoint.tanh"),
     "renamed numpy function": (lambda x, y: np.arctan(x), "cutpoint.atan"),
     "numpy maximum": (lambda x, y: np.maximum(x, y), "cutpoint.maximum"),
@@ -163,8 +164,16 @@ def test_what_cannot_be_compiled_points_at_the_users_line(case: str) -> None:
     ],
 )
 def test_what_numpy_or_python_cannot_compute_is_named(function: Callable[..., Any]) -> None:
-    with pytest.raises(TraceError, match=r"^\w+: this cannot be computed with traced numbers \(.*\); write it out"):
+    with pytest.raises(TraceError, match=r"^\w+: this cannot be computed with traced numbers \(.*\); (write|use) "):
         graph_of(function, a=(2, 2))
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_what_is_told_to_write_for_isfinite_tells_numbers_apart(backend: Any) -> None:
+    with pytest.raises(TraceError, match=r"np.isfinite .*; write cutpoint.absolute\(x\) < 1e30"):
+        graph_of(lambda x: np.isfinite(x), x=())
+    is_finite = compile(lambda x: where(absolute(x) < 1e30, 1.0, 0.0), backend=backend, x=())
+    assert is_finite([0.0, -3.0, np.inf, -np.inf, np.nan]).tolist() == [1.0, 1.0, 0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numpy"])

@@ -17,6 +17,13 @@ _RENAMED = {
     "fmin": "minimum",
 }  # fmt: skip
 
+_FINITE = "write cutpoint.absolute(x) < 1e30, which is false of NaN and infinity"
+_INSTEAD = {
+    "isfinite": _FINITE, "isnan": _FINITE, "isinf": _FINITE,
+    "sign": "write cutpoint.where(x > 0, 1.0, -1.0)",
+    **dict.fromkeys(("floor", "ceil", "trunc", "rint"), "use it outside the kernel"),
+}  # fmt: skip
+
 NO_NUMBER = "a condition is no number: write cutpoint.where(condition, 1.0, 0.0)"
 
 
@@ -83,9 +90,13 @@ class Refusals:
 
 def refuse_numpy(name: str) -> NoReturn:
     """Raises TraceError for a NumPy function applied to a traced number."""
+    refuse(f"np.{name} cannot be applied to a traced number; {instead_of(name)}")
+
+
+def instead_of(name: str) -> str:
+    """What to write for a function of NumPy."""
     ours = _RENAMED.get(name, name)
-    remedy = f"use cutpoint.{ours}" if ours in _OURS else "write it with cutpoint's functions"
-    refuse(f"np.{name} cannot be applied to a traced number; {remedy}")
+    return f"use cutpoint.{ours}" if ours in _OURS else _INSTEAD.get(name, "write it out with cutpoint's functions")
 
 
 def as_float(x: float | Real) -> float:

@@ -1,6 +1,7 @@
 """From a function to its graph: it is called once with traced scalars, which record its operations."""
 
 import inspect
+import re
 from collections.abc import Callable
 from numbers import Real
 from typing import Any
@@ -9,7 +10,7 @@ from cutpoint.errors import InputError, TraceError
 from cutpoint.kernels.graphs.graph import Graph
 from cutpoint.kernels.graphs.nodes import Trace
 from cutpoint.kernels.graphs.ports import Port, flatten, nest, port, record_fields
-from cutpoint.kernels.graphs.refusals import NO_NUMBER, as_float
+from cutpoint.kernels.graphs.refusals import NO_NUMBER, as_float, instead_of
 from cutpoint.kernels.graphs.tracing import Condition, Operand, Traced, tracing
 
 SEVERAL = "several outputs are the fields of a NamedTuple or dataclass"
@@ -33,7 +34,8 @@ def traced(function: Callable[..., Any], inputs: list[Port]) -> tuple[Graph, str
         except (TypeError, AttributeError) as error:
             if isinstance(error, TraceError) or not _is_of_traced_numbers(error):
                 raise
-            told = f"this cannot be computed with traced numbers ({error}); write it out with cutpoint's functions"
+            asked = "".join(re.findall(r"ufunc '(\w+)'", str(error))[:1])
+            told = f"this cannot be computed with traced numbers ({error}); {instead_of(asked)}"
             raise TraceError(f"{name_of(function)}: {told}") from error
         named = record_fields(result)
         if named is not None:
