@@ -28,8 +28,7 @@ class Call(ABC):
     def _called(self, arguments: Sequence[Any], named: Mapping[str, Any], out: Any, threads: int | None) -> Any:
         """The outputs for arguments of any kind."""
         graph = self._graph
-        ordered = in_order(self._name, graph.inputs, arguments, named)
-        given = [self._spread(as_plain(self._name, p, x)) for p, x in zip(graph.inputs, ordered, strict=True)]
+        given = self._plain(in_order(self._name, graph.inputs, arguments, named))
         count = 1 if threads is None else thread_count(self._name, threads)
         try:
             if graph.precision is not FLOAT64:  # rounds what NumPy itself refuses
@@ -43,9 +42,9 @@ class Call(ABC):
     def _run(self, *arguments: Any, out: Any) -> Any:
         """What a generalised ufunc gives for arrays."""
 
-    def _spread(self, argument: Any) -> Any:
-        """An argument in the shape that `_run` takes."""
-        return argument
+    def _plain(self, arguments: Sequence[Any]) -> list[Any]:
+        """Arguments as `_run` takes them."""
+        return [as_plain(self._name, p, x) for p, x in zip(self._graph.inputs, arguments, strict=True)]
 
     def _made(self, found: Any) -> Any:
         """The outputs in their record."""

@@ -1,5 +1,6 @@
 """Kernels on blocks: for batches stored as (blocks, *shape, width), which need no transposition."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -97,13 +98,17 @@ class Blocks(Call):
     def _run(self, *arguments: Any, out: Any) -> Any:
         return self._function.call(*arguments, out=out)
 
-    def _spread(self, argument: Any) -> Any:
-        """Numbers shared by a whole block, broadcast to its width."""
-        try:
-            array = np.atleast_1d(argument)
-        except ValueError:  # explained elsewhere
-            return argument
-        return np.repeat(array, self.width, axis=-1) if array.shape[-1] == 1 else argument
+    def _plain(self, arguments: Sequence[Any]) -> list[Any]:
+        return [_spread(x, self.width) for x in super()._plain(arguments)]
+
+
+def _spread(argument: Any, width: int) -> Any:
+    """Numbers shared by a whole block, broadcast to its width."""
+    try:
+        array = np.atleast_1d(argument)
+    except ValueError:  # explained elsewhere
+        return argument
+    return np.repeat(array, width, axis=-1) if array.shape[-1] == 1 else argument
 
 
 def _aligned(shape: tuple[int, ...], precision: Precision) -> np.ndarray:
