@@ -117,6 +117,23 @@ def test_a_time_is_in_the_mappings_unit_else_in_that_of_the_log(stated: str, ste
     assert found.time == pytest.approx(step * np.arange(100), abs=1e-15)
 
 
+def test_what_was_recorded_before_the_start_and_after_the_end_is_left_out():
+    whole, cut = mapped("q: x", table(x=Q)), mapped("q: x\ntime: {start: 0.025, end: 0.05}", table(x=Q))
+    kept = (whole.time >= 0.025) & (whole.time <= 0.05)
+    assert 2 <= kept.sum() < len(kept)
+    np.testing.assert_array_equal(cut.time, whole.time[kept])
+    np.testing.assert_array_equal(cut["q"], whole["q"][kept])
+    assert cut.notes == (*whole.notes, f"used from 0.025 s to 0.05 s of {whole.time[-1]:.4g} s")
+
+
+def test_quantities_that_a_mapping_does_not_name_are_found_by_name():
+    obvious = table(q1=Q[:, 0], q2=Q[:, 1])
+    named, found = mapped("q: [q1, q2]\njoints: [a, b]", obvious), mapped("joints: [a, b]", obvious)
+    assert found.joints == named.joints == ("a", "b")
+    np.testing.assert_array_equal(found["q"], named["q"])
+    assert mapped("time: {start: 0.025}", obvious).time[0] >= 0.025
+
+
 def test_a_unit_that_is_no_time_is_refused():
     with pytest.raises(ModelError, match=r"time: channel 'w' is in 'min', not a known unit of time; state time.unit"):
         mapped("time: {channel: w}\nq: x", table(w=Channel(T, unit="min"), x=Q))
@@ -129,7 +146,9 @@ def test_a_unit_that_is_no_time_is_refused():
         ("q: x[2]", r"mapping: q: the log has no channel 'x\[2\]'; there are"),
         ("q: x\ntime: {channel: z}", r"mapping: time: the log has no channel 'z'; there are: .* \(map.yaml:3\)"),
         ("{}", r"is not allowed|YAML cannot be read"),
-        ("joints: [a]", r"mapping: names no quantity; there are: q, theta, v"),
+        ("joints: [a]", r"no channel has a name that means position; give a mapping.  There are: 't', 'x', 'w'"),
+        ("q: x\ntime: {start: 2.0, end: 1.0}", r"time.end 1 s must be later than time.start \(map.yaml:3\)"),
+        ("q: x\ntime: {start: 9.0}", r"fewer than two samples from 9.0 s to .*: the recording runs from 0 s to"),
         ("p: x", r"mapping: unknown key 'p'; known keys: 'version', 'joints', 'ratio', 'time', 'q'"),
         (
             "q: {channels: x, units: deg}",

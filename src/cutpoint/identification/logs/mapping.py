@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -83,6 +83,18 @@ def obvious_mapping(table: Table, joints: Sequence[str] = ()) -> ChannelMap:
     return ChannelMap(default_mapping(table, joints), Section("mapping", Lineless(table.file, None, {}), ((),)))
 
 
+def completed(mapping: ChannelMap, table: Table, joints: Sequence[str]) -> ChannelMap:
+    """The mapping; one that names no quantity gets those that the channels' names suggest.
+
+    joints: of the robot, () if it is not known.  Raises InputError where they suggest none.
+    """
+    if mapping.quantities:
+        return mapping
+    sheet, suggested = mapping.sheet, default_mapping(table, mapping.sheet.joints or joints)
+    found = {name: getattr(suggested, name) for name in QUANTITIES} | {"joints": sheet.joints or suggested.joints}
+    return replace(mapping, sheet=sheet.model_copy(update=found))
+
+
 def _plain(given: Mapping[str, Any]) -> Any:
     """A dict's values in the types of a file: lists for tuples, floats for numbers.  Raises ModelError."""
     try:
@@ -96,10 +108,10 @@ def _check(mapping: ChannelMap) -> None:
     sheet, section = mapping.sheet, mapping.section
     if sheet.version != VERSION:
         raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
-    if not mapping.quantities:
-        raise section.error((), f"names no quantity; there are: {', '.join(QUANTITIES)}")
     if sheet.time.period is not None and sheet.time.channel is not None:
         raise section.error(("time",), "has both 'channel' and 'period'; state only one")
+    if sheet.time.end is not None and sheet.time.end <= (sheet.time.start or 0.0):
+        raise section.error(("time", "end"), f"time.end {sheet.time.end:g} s must be later than time.start")
     if sheet.joints and len(set(sheet.joints)) < len(sheet.joints):
         raise section.error(("joints",), f"joints {sheet.joints} must be distinct names")
     if sheet.ratio and 0.0 in sheet.ratio:

@@ -65,6 +65,8 @@ class TimeSheet(Sheet):
         None, description="of the channel; what the log states, or s, if not stated"
     )
     period: float | None = quantity("s", "s", "between samples, instead of a channel", None, gt=0)
+    start: float | None = quantity("s", "s", "after the first sample; earlier ones are left out", None, ge=0)
+    end: float | None = quantity("s", "s", "after the first sample; later ones are left out", None, gt=0)
 
 
 Quantity = Annotated[ChannelSheet | None, BeforeValidator(_as_channels)]

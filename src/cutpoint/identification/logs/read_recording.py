@@ -10,7 +10,8 @@ import numpy as np
 from cutpoint.door import check_kind
 from cutpoint.errors import ModelError, counted, listed, those_that_exist
 from cutpoint.identification.logs.common_times import at_common_times
-from cutpoint.identification.logs.mapping import ChannelMap, load_mapping, obvious_mapping, parse_mapping
+from cutpoint.identification.logs.mapping import ChannelMap, completed, load_mapping, obvious_mapping, parse_mapping
+from cutpoint.identification.logs.mapping_sheet import TimeSheet
 from cutpoint.identification.logs.quantity import Columns, check_kinds, columns_of, in_si, picked, stated_ratio
 from cutpoint.identification.logs.reading import read_table
 from cutpoint.identification.logs.recording import Recording
@@ -53,6 +54,7 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     check_kind("recording_of", "table", table, Table, "a Table (read_table reads files)")
     check_kind("recording_of", "mapping", mapping, ChannelMap, "a ChannelMap (load_mapping reads files)")
     check_kind("recording_of", "robot", robot, (Robot, NoneType), "a Robot (cutpoint.load reads files), or None")
+    mapping = completed(mapping, table, tuple(robot.drives) if robot else ())
     quantities = mapping.quantities
     columns = {name: columns_of(quantity, table) for name, quantity in quantities.items()}
     joints = _joints(next(iter(columns.values())), mapping, robot)
@@ -69,7 +71,17 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
         recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
         if robot:
             refuse_other_units(recording, robot)
+        recording = _cut(recording, mapping.sheet.time)
     return recording.with_notes(suspicions(recording))
+
+
+def _cut(recording: Recording, stated: TimeSheet) -> Recording:
+    """What the mapping leaves of a recording, with a note if it leaves something out."""
+    last = float(recording.time[-1])
+    start, end = stated.start or 0.0, last if stated.end is None else stated.end
+    if start == 0.0 and end >= last:
+        return recording
+    return recording.between(start, end).with_notes([f"used from {start:g} s to {min(end, last):g} s of {last:.4g} s"])
 
 
 def _slides(robot: Robot | None) -> set[str]:
