@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
+from cutpoint.errors import counted
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.mechanics.bodies.pseudo_inertia import nominal_sizes
@@ -116,7 +117,7 @@ def strained(found: Sequence[Parameter], costs: Mapping[str, float]) -> list[str
         reason = "the file's bodies, near which they stay, may be placeholders; state roughly what they weigh"
         reason += "; or no bodies are like this: check axes, zeros and torque constants" if more else ""
         notes.append(
-            f"the model's bodies miss the intervals of {len(bodies)} told numbers, {_some(bodies)}{cost}: {reason}"
+            f"the model's bodies miss the intervals of {counted(len(bodies), 'told number')}, {_some(bodies)}{cost}: {reason}"
         )
     if rubs:
         reason = "no part of friction may push, nor be less at rest than in motion, nor take the whole load"
