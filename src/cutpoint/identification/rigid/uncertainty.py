@@ -112,13 +112,12 @@ def strained(found: Sequence[Parameter], costs: Mapping[str, float]) -> list[str
     bodies = [name for name in far if name not in rubs]
     notes: list[str] = []
     if bodies:
-        more = [f"{cost:.2f} times at {joint}" for joint, cost in costs.items() if cost > COSTLY]
-        cost = f", and torque errors are larger for it ({', '.join(more)})" if more else ""
+        missed = f"the intervals of {counted(len(bodies), 'told number')}, {_some(bodies)}"
         reason = "the file's bodies, near which they stay, may be placeholders; state roughly what they weigh"
-        reason += "; or no bodies are like this: check axes, zeros and torque constants" if more else ""
-        notes.append(
-            f"the model's bodies miss the intervals of {counted(len(bodies), 'told number')}, {_some(bodies)}{cost}: {reason}"
-        )
+        if more := [f"{cost:.2f} times at {joint}" for joint, cost in costs.items() if cost > COSTLY]:
+            missed += f", and torque errors are larger for it ({', '.join(more)})"
+            reason += "; or no bodies are like this: check axes, zeros and torque constants"
+        notes.append(f"the model's bodies miss {missed}: {reason}")
     if rubs:
         reason = "no part of friction may push, nor be less at rest than in motion, nor take the whole load"
         notes.append(f"the model's friction misses the intervals of {_some(rubs)}: {reason}")
