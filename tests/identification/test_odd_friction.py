@@ -46,7 +46,7 @@ def test_the_robot_that_is_saved_is_the_one_that_is_judged(law: str, friction: o
     found = identified(friction(motions()[1]), friction=given, solver=solver)  # type: ignore[operator]
     drives = found.save(tmp_path)[1].read_text()
     saved = found.robot.with_drives(parse_drives(drives, found.robot.mechanism))
-    motion, errors = motion_of(saved, found.recording), found.errors
+    motion, errors = motion_of(saved, found.recording, found.rigid.cutoff), found.errors
     torque = stated_torque(saved, motion) + found.rigid.model.offsets
     after = low_pass(torque, motion.period, errors.bandwidth)
     known = np.isfinite(after)
