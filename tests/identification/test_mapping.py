@@ -147,7 +147,7 @@ def test_a_unit_that_is_no_time_is_refused():
         ("q: x\ntime: {channel: z}", r"mapping: time: the log has no channel 'z'; there are: .* \(map.yaml:3\)"),
         ("{}", r"is not allowed|YAML cannot be read"),
         ("joints: [a]", r"no channel has a name that means position; give a mapping.  There are: 't', 'x', 'w'"),
-        ("q: x\ntime: {start: 2.0, end: 1.0}", r"time.end 1 s must be later than time.start \(map.yaml:3\)"),
+        ("q: x\ntime: {start: 2.0, end: 1.0}", r"time.end 1 s must be later than time.start, 2 s \(map.yaml:3\)"),
         ("q: x\ntime: {start: 9.0}", r"fewer than two samples from 9.0 s to .*: the recording runs from 0 s to"),
         ("p: x", r"mapping: unknown key 'p'; known keys: 'version', 'joints', 'ratio', 'time', 'q'"),
         (

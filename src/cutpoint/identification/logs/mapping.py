@@ -110,8 +110,9 @@ def _check(mapping: ChannelMap) -> None:
         raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
     if sheet.time.period is not None and sheet.time.channel is not None:
         raise section.error(("time",), "has both 'channel' and 'period'; state only one")
-    if sheet.time.end is not None and sheet.time.end <= (sheet.time.start or 0.0):
-        raise section.error(("time", "end"), f"time.end {sheet.time.end:g} s must be later than time.start")
+    start, end = sheet.time.start or 0.0, sheet.time.end
+    if end is not None and end <= start:
+        raise section.error(("time", "end"), f"time.end {end:g} s must be later than time.start, {start:g} s")
     if sheet.joints and len(set(sheet.joints)) < len(sheet.joints):
         raise section.error(("joints",), f"joints {sheet.joints} must be distinct names")
     if sheet.ratio and 0.0 in sheet.ratio:

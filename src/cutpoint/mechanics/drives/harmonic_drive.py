@@ -6,8 +6,9 @@ All quantities at the joint's side: theta is the rotor's angle divided by ratio,
 from typing import Any, NamedTuple
 
 from cutpoint.mechanics.drives.friction import Sliding
+from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import Presliding
-from cutpoint.model.drive import Drive, Friction
+from cutpoint.model.drive import Drive, Friction, Harmonic
 from cutpoint.scalars import Jet, Scalar, where
 
 
@@ -138,3 +139,9 @@ def rigidly_transmitted(drive: Drive, motor_torque: Scalar, speed: Scalar, strai
         return left
     share = law.share_of_load(speed)
     return left / (1 + where(left < 0, -share, share))
+
+
+def waves_of(drive: Drive) -> list[Harmonic]:
+    """Those that go with the rotor's turns: kinematic error, ripple and cogging."""
+    waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
+    return waves + ([*drive.motor.ripple, *drive.motor.cogging] if drive.motor else [])

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.functions.idle_joints import check_moves_inertia
-from cutpoint.mechanics.drives.harmonic_drive import friction_resistance
-from cutpoint.mechanics.drives.kinematic_error import KinematicError
+from cutpoint.mechanics.drives.harmonic_drive import friction_resistance, waves_of
 from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
 from cutpoint.mechanics.rotor_coupling import rotor_coupling, rotor_mobility, without_rotors
-from cutpoint.model.drive import Drive, Friction, Harmonic
+from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
 from cutpoint.simulation.steps.spring_slopes import stiffest
 
@@ -144,12 +143,6 @@ def fastest_wave(robot: Robot, speeds: Array) -> Limit:
         rate = float(order * abs(drive.ratio * speed))
         best = max(best, Limit(rate, f"waves of order {order} of the motor of {name!r}"))
     return best
-
-
-def waves_of(drive: Drive) -> list[Harmonic]:
-    """Those that go with the rotor's turns: kinematic error, ripple and cogging."""
-    waves = [*drive.kinematic_error.harmonics] if isinstance(drive.kinematic_error, KinematicError) else []
-    return waves + ([*drive.motor.ripple, *drive.motor.cogging] if drive.motor else [])
 
 
 def _swing(mobility: Array, K: Array, bristles: Array, elastic: NDArray[np.bool_]) -> Array:

@@ -28,7 +28,6 @@ def fastest(
         InputError: what `sizing` refuses, a limit that even a 128 times slower motion breaks, such as on a load that
             must be held at any speed, or none that a 128 times faster one breaks.
     """
-
     given = sizing(robot, trajectory, dwell=dwell, period=period, life=life)
     with Bar("shortest time", DOUBLINGS + HALVINGS + 1) as bar:
         tries = itertools.count(1)

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
+from cutpoint.mechanics.drives.harmonic_drive import waves_of
 from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
-from cutpoint.simulation.steps.fastest import waves_of
 from cutpoint.trajectories.trajectory import Moves
 
 FEWEST, MOST = 2_000, 500_000
