@@ -54,7 +54,7 @@ def test_an_exported_function_has_the_bits_of_the_robots_own(arm: cutpoint.Robot
 
 @pytest.mark.parametrize("name", FACTS)
 def test_every_function_exports_and_checks_itself(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
-    options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
+    options = {"frame": "link6"} if name in ("jacobian", "frame_pose", "frame_acceleration") else {}
     paths = export_function(arm, name, tmp_path, name="f", **options)
     assert {p.name for p in paths} == {"f.c", "f.h", "f.hpp", "f_check.c", "CMakeLists.txt", "README.txt"}
     build(tmp_path, "f.c", "f_check.c", "-o", "check", flags=(*STRICT, "-O0"))
@@ -68,7 +68,7 @@ SINGLE = (*STRICT, "-Wdouble-promotion")
 
 @pytest.mark.parametrize("name", FACTS)
 def test_every_function_exports_in_single_precision(arm: cutpoint.Robot, name: str, tmp_path: Path) -> None:
-    options = {"frame": "link6"} if name in ("jacobian", "frame_pose") else {}
+    options = {"frame": "link6"} if name in ("jacobian", "frame_pose", "frame_acceleration") else {}
     export_function(arm, name, tmp_path, name="f", precision="float32", **options)
     assert "double" not in (tmp_path / "f.h").read_text()
     assert ", in single precision" in (tmp_path / "f.c").read_text().splitlines()[0]

@@ -144,6 +144,14 @@ class Twin:
             pin.computeFrameJacobian(self.model, self.data, *self.theirs(q), self.model.getFrameId(frame), way)
         )
 
+    def frame_acceleration(self, q: Array, v: Array, a: Array, frame: str, expressed_in: str) -> Array:
+        way, known = getattr(pin.ReferenceFrame, expressed_in.upper()), self.model.getFrameId(frame)
+        pin.forwardKinematics(self.model, self.data, *self.theirs(q, v, a))
+        # along the world's axes the derivative of the velocity of the frame's origin is what they call classical
+        is_classical = expressed_in == "local_world_aligned"
+        found = pin.getFrameClassicalAcceleration if is_classical else pin.getFrameAcceleration
+        return found(self.model, self.data, known, way).vector
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
         return pin.computeKineticEnergy(self.model, self.data, *self.theirs(q, v))
 

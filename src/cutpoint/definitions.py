@@ -197,6 +197,13 @@ def jacobian(m: Machine, q: Scalars, frame: str, expressed_in: kinematics.Expres
     return transposed([[*column] for column in kinematics.jacobian(m.system, q, frame, expressed_in)]) or [[]] * 6
 
 
+def frame_acceleration(
+    m: Machine, q: Scalars, v: Scalars, a: Scalars, frame: str, expressed_in: kinematics.ExpressedIn
+) -> Scalars:
+    """Time derivative of a frame's velocity (6), linear above angular."""
+    return [*kinematics.frame_acceleration(m.system, q, v, a, frame, expressed_in)]
+
+
 def velocity_map(m: Machine, q: Scalars) -> list[Scalars]:
     """Velocities of all bodies, each in its joint's frame, by the speeds (6 bodies, nv)."""
     rows = kinematics.velocity_map(m.system, q)

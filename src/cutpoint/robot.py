@@ -278,20 +278,25 @@ class Robot:
         expressed_in: "local", the frame's own axes; "local_world_aligned", the same velocity along the world's axes;
         "world", the velocity, along the world's axes, of the point of the frame's body that passes the world's origin.
         """
-        made = self._known(("jacobian", frame, expressed_in))
-        if made is None:
-            door.checked_name("way to express a Jacobian", expressed_in, get_args(ExpressedIn))
-            definition = partial(definitions.jacobian, frame=self._frame(frame), expressed_in=expressed_in)
-            made = self._function(("jacobian", frame, expressed_in), FACTS["jacobian"]._replace(definition=definition))
-        return made(q)
+        key = "jacobian", frame, expressed_in
+        return (self._known(key) or self._of_frame(definitions.jacobian, *key))(q)
+
+    def frame_acceleration(
+        self, q: ArrayLike, v: ArrayLike, a: ArrayLike, frame: str, expressed_in: ExpressedIn = "local"
+    ) -> Array:
+        """(..., 6): J a + J' v, the time derivative of a frame's velocity J v, m/s2 and rad/s2; J' v where a is zero.
+
+        frame and expressed_in: as in `jacobian`; without gravity.  For "local_world_aligned" it is the acceleration of
+        the frame's origin, and the angular acceleration, in the world; for "local" and "world" the spatial one,
+        Featherstone (2008) section 2.11.
+        """
+        key = "frame_acceleration", frame, expressed_in
+        return (self._known(key) or self._of_frame(definitions.frame_acceleration, *key))(q, v, a)
 
     def frame_pose(self, q: ArrayLike, frame: str) -> Array:
         """(..., 4, 4): pose of a frame, by its name: maps its coordinates (m) to those of the world."""
-        made = self._known(("frame_pose", frame))
-        if made is None:
-            definition = partial(definitions.frame_pose, frame=self._frame(frame))
-            made = self._function(("frame_pose", frame), FACTS["frame_pose"]._replace(definition=definition))
-        return made(q)
+        key = "frame_pose", frame
+        return (self._known(key) or self._of_frame(definitions.frame_pose, *key))(q)
 
     def velocity_map(self, q: ArrayLike) -> Array:
         """(..., 6 n, nv): the stacked velocities of all bodies, each in its own joint frame, for each speed.
@@ -551,9 +556,14 @@ class Robot:
         except TypeError:
             return None
 
-    def _frame(self, frame: str) -> str:
-        known = self.mechanism.frames
-        return frame if type(frame) is str and frame in known else door.checked_name("frame", frame, known)
+    def _of_frame(
+        self, definition: Callable[..., Any], name: str, frame: str, *expressed_in: ExpressedIn
+    ) -> Callable[..., Any]:
+        """A definition for one frame, made.  Raises InputError for an unknown frame, or way to express a velocity."""
+        asked = {"frame": door.checked_name("frame", frame, self.mechanism.frames)}
+        for way in expressed_in:
+            asked["expressed_in"] = door.checked_name("way to express a velocity", way, get_args(ExpressedIn))
+        return self._function((name, *asked.values()), FACTS[name]._replace(definition=partial(definition, **asked)))
 
     def _check_told(self, function: str, name: str, whose: str) -> None:
         """Raises InputError if rotors turn with their carriers, and at speeds of their own."""

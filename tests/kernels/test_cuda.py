@@ -201,7 +201,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("function", FACTS)
 def test_every_function_of_a_robot_exports_to_cuda(function: str, tmp_path: Path) -> None:
-    options = {"frame": "link6"} if function in ("jacobian", "frame_pose") else {}
+    options = {"frame": "link6"} if function in ("jacobian", "frame_pose", "frame_acceleration") else {}
     paths = export_function(cutpoint.robots.xia2019(), function, tmp_path, to="cuda", name="f", **options)
     code, header = (path.read_text() for path in paths)
     compiled(code, "sm_90")

@@ -27,6 +27,7 @@ CALLS: dict[str, Callable[..., Any]] = {
     "coriolis_matrix": lambda r, q, v, a, th, w: r.coriolis_matrix(q, v),
     "regressor": lambda r, q, v, a, th, w: r.regressor(q, v, a),
     "jacobian": lambda r, q, v, a, th, w: r.jacobian(q, r.frames[-1], "world"),
+    "frame_acceleration": lambda r, q, v, a, th, w: r.frame_acceleration(q, v, a, r.frames[-1]),
     "frame_pose": lambda r, q, v, a, th, w: r.frame_pose(q, r.frames[-1]),
     "velocity_map": lambda r, q, v, a, th, w: r.velocity_map(q),
     "kinetic_energy": lambda r, q, v, a, th, w: r.kinetic_energy(q, v),

@@ -78,18 +78,27 @@ def test_every_frame_is_where_pinocchio_has_it(name):
             assert_close(twin.robot.frame_pose(q_i, frame), twin.frame_pose(q_i, frame), 1e-13)
 
 
+FRAMES = [
+    ("ur10", "tool0"), ("panda", "panda_leftfinger"), ("panda", "panda_hand_tcp"), ("talos", "arm_left_7_link"),
+    ("talos", "left_sole_link"), ("tree", "link6"), ("floating", "link4"), ("xia2019", "tool"), ("xia2019", "base"),
+]  # fmt: skip
+
+
 @pytest.mark.parametrize("expressed_in", ["local", "world", "local_world_aligned"])
-@pytest.mark.parametrize(
-    ("name", "frame"),
-    [
-        ("ur10", "tool0"), ("panda", "panda_leftfinger"), ("panda", "panda_hand_tcp"), ("talos", "arm_left_7_link"),
-        ("talos", "left_sole_link"), ("tree", "link6"), ("floating", "link4"), ("xia2019", "tool"), ("xia2019", "base"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "frame"), FRAMES)
 def test_jacobians_in_all_three_expressions(name, frame, expressed_in):
     twin = twin_of(name)
     for q_i in states(twin.robot).q:
         assert_close(twin.robot.jacobian(q_i, frame, expressed_in), twin.jacobian(q_i, frame, expressed_in), 1e-12)
+
+
+@pytest.mark.parametrize("expressed_in", ["local", "world", "local_world_aligned"])
+@pytest.mark.parametrize(("name", "frame"), FRAMES)
+def test_accelerations_in_all_three_expressions(name, frame, expressed_in):
+    twin = twin_of(name)
+    for state in zip(*states(twin.robot), strict=True):
+        found, known = (x.frame_acceleration(*state, frame, expressed_in) for x in (twin.robot, twin))
+        assert_close(found, known, 1e-12)
 
 
 @pytest.mark.parametrize("name", ["ur10", "panda", "tree", "floating"])

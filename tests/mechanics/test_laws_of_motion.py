@@ -163,3 +163,20 @@ def test_speeds_are_the_rates_of_poses(name, backend, data):
     rate = np.linalg.inv(T) @ derivative(lambda h: ours.frame_pose(along(ours, q, v, a, h)[0], frame))
     found = np.array([*rate[:3, 3], rate[2, 1], rate[0, 2], rate[1, 0]])
     assert_close(found, V, 1e-9, scale=1.0)
+
+
+@robots
+@drawn
+@pytest.mark.parametrize("expressed_in", ["local", "world", "local_world_aligned"])
+def test_accelerations_are_the_rates_of_speeds(name, backend, expressed_in, data):
+    """A frame's acceleration is how its Jacobian times v changes, whatever its axes."""
+    ours = robot(name, backend)
+    q, v, a = data.draw(motions(ours))
+    frame = ours.frames[-1]
+
+    def speed(h):
+        q_h, v_h = along(ours, q, v, a, h)[:2]
+        return ours.jacobian(q_h, frame, expressed_in) @ v_h
+
+    found = ours.frame_acceleration(q, v, a, frame, expressed_in)
+    assert_close(found, derivative(speed), 1e-8, scale=1.0 + np.abs(found).max())

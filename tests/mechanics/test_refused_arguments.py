@@ -37,7 +37,7 @@ NAN = np.array([0.0, 0.0, np.nan, 0.0, 0.0, 0.0])
         (lambda r: r.frame_pose(Z, ["tool"]), r"no frame is named \['tool'\]; there are: .*'tool'$"),
         (lambda r: r.frame_pose(Z, "Link_6"), r"named 'Link_6'; there are: .*'tool'; did you mean 'link6'\?$"),
         (lambda r: r.frame_pose(Z, "elbow"), r"no frame is named 'elbow'; there are: .*'tool'$"),
-        (lambda r: r.jacobian(Z, "tool", ["local"]), r"way to express a Jacobian is named \['local'\]; there are: 'lo"),
+        (lambda r: r.jacobian(Z, "tool", ["local"]), r"way to express a velocity is named \['local'\]; there are: 'lo"),
         (lambda r: r.random(0, 2.5), r"^random: size must be a whole number from 0, or a tuple of them, got 2.5$"),
         (lambda r: r.random(0, (2, -1)), r"^random: size must be .*, got \(2, -1\)$"),
         (lambda r: r.with_drives(None), r"^with_drives: drives must be a mapping of joint names to Drives, got None$"),

@@ -32,6 +32,7 @@ CALLS: dict[str, Call] = {
     "inverse_dynamics": lambda r, q, v: r.inverse_dynamics(q, v, v),
     "forward_dynamics": lambda r, q, v: r.forward_dynamics(q, v, v),
     "mass_matrix": lambda r, q, v: r.mass_matrix(q),
+    "frame_acceleration": lambda r, q, v: r.frame_acceleration(q, v, v, r.frames[-1]),
     "frame_pose": lambda r, q, v: r.frame_pose(q, r.frames[-1]),
     "potential_energy": lambda r, q, v: r.potential_energy(q),
     "integrate": lambda r, q, v: r.integrate(q, v, 0.1),
@@ -131,6 +132,7 @@ def test_matrices_of_a_robot_in_which_nothing_moves_have_no_rows_and_no_columns(
     assert {M.shape for M in square} == {(*batch, 0, 0)}
     for expressed_in in ("local", "world", "local_world_aligned"):
         assert still.jacobian(x, "ball", expressed_in).shape == (*batch, 6, 0)
+        assert still.frame_acceleration(x, x, x, "ball", expressed_in).shape == (*batch, 6)
     assert still.inverse_dynamics(x, x, x).shape == (*batch, 0)
     assert still.frame_pose(x, "ball").shape == (*batch, 4, 4)
     assert still.momentum(x, x).shape == (*batch, 6)

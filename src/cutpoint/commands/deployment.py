@@ -54,8 +54,12 @@ def export(
         typer.Option(help="Precision of numbers; float32 for controllers without double precision."),
     ] = "float64",
     floating_base: FloatingBase = False,
-    frame: Annotated[str | None, typer.Option(help="Frame, for jacobian and frame_pose.")] = None,
-    expressed_in: Annotated[ExpressedIn | None, typer.Option(help="Axes that jacobian is expressed along.")] = None,
+    frame: Annotated[
+        str | None, typer.Option(help="Frame, for functions of one: jacobian, frame_pose, frame_acceleration.")
+    ] = None,
+    expressed_in: Annotated[
+        ExpressedIn | None, typer.Option(help="Axes that a frame's velocity is expressed along.")
+    ] = None,
     quasi_rigid: Annotated[
         bool,
         typer.Option(

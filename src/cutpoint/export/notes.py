@@ -53,7 +53,7 @@ _AXES = {
     "local_world_aligned": "along the world's axes",
     "world": "of its body's point at the world's origin, along the world's axes",
 }
-"""What `Robot.jacobian` can be expressed in."""
+"""What a frame's velocity can be expressed in."""
 
 
 def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = "local", **_: Any) -> str:
@@ -61,8 +61,10 @@ def result_of(robot: Robot, function: str, frame: str = "", expressed_in: str = 
     speeds = ", ".join(_order(robot, "v", robot.nv, ()))
     bodies = ", ".join(body.name for body in robot.mechanism.bodies)
     velocity = "linear (m/s), then angular velocity (rad/s)"
+    acceleration = "linear (m/s2), then angular (rad/s2), without gravity"
     told = {
         "jacobian": f"rows: {velocity} of frame {frame}, {_AXES[expressed_in]}; columns: speeds of {speeds}",
+        "frame_acceleration": f"rate of the velocity of frame {frame}, {_AXES[expressed_in]}: {acceleration}",
         "velocity_map": f"rows: {velocity} of each of {bodies}, along the axes of its joint frame, z along the joint; "
         f"columns: speeds of {speeds}",
         "regressor": f"rows: torques of {speeds}; columns: ten for each of {bodies}: mass (kg), mass times centre of "

@@ -44,6 +44,7 @@ FACTS: Mapping[str, Facts] = MappingProxyType({
     "coriolis_matrix": Facts("q v", definitions.coriolis_matrix, "C", lean=True, is_matrix=True),
     "regressor": Facts("q v a", definitions.regressor, "Y", is_matrix=True),
     "jacobian": Facts("q", result="J", ignores_rotors=True),
+    "frame_acceleration": Facts("q v a", result="acceleration", ignores_rotors=True),
     "frame_pose": Facts("q", result="pose", ignores_rotors=True),
     "velocity_map": Facts("q", definitions.velocity_map, "J", ignores_rotors=True, is_matrix=True),
     "kinetic_energy": Facts("q v", definitions.kinetic_energy, "energy", lean=True),

@@ -14,6 +14,7 @@ from cutpoint.mechanics.bodies.spatial import Wrench
 from cutpoint.mechanics.drives.motor_motion import MotorMotion, motor_motion, motor_torque
 from cutpoint.mechanics.drives.strains import Strains, or_unknown
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, motions, net_wrenches, rotor_efforts
+from cutpoint.mechanics.kinematics import coordinate_jets
 from cutpoint.mechanics.system import Driven, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.scalars import Jet, Scalar, value_of
@@ -117,20 +118,6 @@ def derivatives_needed(system: System, drives: Sequence[Driven]) -> int:
         if segment.parent != WORLD:
             depth[segment.parent] = max(depth[segment.parent], depth[i])
     return 2 + max((depth[i] + 2 for i in elastic), default=0)
-
-
-def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
-    """Coordinates with as many time derivatives as the speeds have values, from q' = rates(q, v) order by order."""
-    jets = [Jet(x) for x in q]
-    for body in system.segments:
-        if body.follower:
-            continue
-        own = [Jet(x) for x in q[body.q]]
-        for k in range(len(v[body.v.start].derivatives)):
-            rates = body.joint.rates(own, [Jet(*v_i.derivatives[: k + 1]) for v_i in v[body.v]])
-            own = [Jet(*x.derivatives, rate.derivatives[k]) for x, rate in zip(own, rates, strict=True)]
-        jets[body.q] = own
-    return jets
 
 
 def _whole_at(system: System, drives: Sequence[Driven]) -> dict[int, Driven]:

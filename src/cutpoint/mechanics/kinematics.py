@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Literal
 
-from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, STILL, Motion, Pose
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, STILL, Motion, Pose, Vec3
 from cutpoint.mechanics.system import System
 from cutpoint.model.mechanism import WORLD
-from cutpoint.scalars import Scalar
+from cutpoint.scalars import Jet, Scalar, rate_of, value_of
 
 Scalars = Sequence[Scalar]
 ExpressedIn = Literal["local", "world", "local_world_aligned"]
@@ -41,6 +41,26 @@ def jacobian(system: System, q: Scalars, frame: str, expressed_in: ExpressedIn =
             columns[v] = columns[v] + X.outward(z)
         X = poses[i] @ X
     return [_expressed(column, X, expressed_in) for column in columns]
+
+
+def frame_velocity(system: System, q: Scalars, v: Scalars, frame: str, expressed_in: ExpressedIn) -> Motion:
+    """The velocity J v of a frame.  Xia (2019) eqs. (29)-(31)."""
+    place = system.frames[frame]
+    V, X, poses = STILL, AT_ORIGIN, joint_poses(system, q)
+    # outward: each body moves as its parent does, and with its own joint
+    for i in system.chain_to(place.body):
+        V, X = poses[i].outward(V) + system.segments[i].motion(v), X @ poses[i]
+    return _expressed(place.pose.outward(V), X @ place.pose, expressed_in)
+
+
+def frame_acceleration(
+    system: System, q: Scalars, v: Scalars, a: Scalars, frame: str, expressed_in: ExpressedIn
+) -> Motion:
+    """The time derivative of a frame's velocity, J a + J' v: what the velocity's time jet has beside its value."""
+    speeds = [Jet(*x) for x in zip(v, a, strict=True)]
+    V = frame_velocity(system, coordinate_jets(system, q, speeds), speeds, frame, expressed_in)
+    rates = [value_of(rate_of(x)) for x in V]
+    return Motion(Vec3(*rates[:3]), Vec3(*rates[3:]))
 
 
 def _expressed(V: Motion, X: Pose, expressed_in: ExpressedIn) -> Motion:
@@ -96,6 +116,20 @@ def coordinate_rates(system: System, q: Scalars, v: Scalars) -> list[Scalar]:
         if not segment.follower:
             rates[segment.q] = segment.joint.rates([*q[segment.q]], [*v[segment.v]])
     return rates
+
+
+def coordinate_jets(system: System, q: Scalars, v: Sequence[Jet]) -> list[Jet]:
+    """Coordinates with as many time derivatives as the speeds have values, from q' = rates(q, v) order by order."""
+    jets = [Jet(x) for x in q]
+    for body in system.segments:
+        if body.follower:
+            continue
+        own = [Jet(x) for x in q[body.q]]
+        for k in range(len(v[body.v.start].derivatives)):
+            rates = body.joint.rates(own, [Jet(*v_i.derivatives[: k + 1]) for v_i in v[body.v]])
+            own = [Jet(*x.derivatives, rate.derivatives[k]) for x, rate in zip(own, rates, strict=True)]
+        jets[body.q] = own
+    return jets
 
 
 def of_unit_length(system: System, q: Scalars) -> list[Scalar]:

@@ -8,8 +8,8 @@ from cutpoint.mechanics.bodies.articulated import NO_ROTOR, Articulated, acceler
 from cutpoint.mechanics.bodies.joints import JointMotion
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, net_wrench, parameters_of
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3
-from cutpoint.mechanics.elastic_inverse import coordinate_jets
 from cutpoint.mechanics.inverse_dynamics import motions
+from cutpoint.mechanics.kinematics import coordinate_jets
 from cutpoint.mechanics.system import Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE_NUMBERS, Columns
