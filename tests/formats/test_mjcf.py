@@ -395,10 +395,23 @@ def test_shapes_that_dynamics_does_not_need_are_never_opened(case: str) -> None:
 def test_losses_that_the_file_switches_off_are_none() -> None:
     hinge = '<joint name="elbow" damping="3" frictionloss="2"/><geom size="0.1" mass="1"/>'
     text = f"<mujoco><option><flag {{}}/></option><worldbody><body>{hinge}</body></worldbody></mujoco>"
-    lossy = ('contact="enable"', 3.0, 2.0), ('damper="disable"', 0.0, 2.0), ('frictionloss="disable"', 3.0, 0.0)
-    for flags, damping, friction in lossy:
+    lossy = {
+        'contact="enable"': (3.0, 2.0),
+        'damper="disable"': (0.0, 2.0),
+        'frictionloss="disable"': (3.0, 0.0),
+        'constraint="disable"': (3.0, 0.0),
+    }
+    for flags, (damping, friction) in lossy.items():
         (body,) = read(text.format(flags)).mechanism.bodies
         assert (body.joint.damping, body.joint.friction) == (damping, friction)
+
+
+@pytest.mark.parametrize("flag", ["contact", "constraint"])
+def test_contacts_that_the_file_switches_off_are_not_told(flag: str) -> None:
+    text = one_body('<geom size="1"/>', f'<option><flag {flag}="{{}}"/></option>')
+    with pytest.warns(NotCarriedOver, match="contacts"):
+        parse_mjcf(text.format("enable"))
+    parse_mjcf(text.format("disable"))
 
 
 def test_armature_of_what_is_left_out_is_told() -> None:

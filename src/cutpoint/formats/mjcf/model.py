@@ -143,15 +143,17 @@ def _leave_out_shapes(mujoco: Any, spec: Any, place: str) -> None:
 
 
 def _switch_off(mujoco: Any, model: Any) -> None:
-    """Removes losses and springs that the file's <flag> disables."""
+    """Removes losses, springs and contacts that the file's <flag> disables."""
+    damping, springs = ("dof_damping", "dof_dampingpoly"), ("jnt_stiffness", "jnt_stiffnesspoly")
+    contacts = ("geom_contype", "geom_conaffinity")
     arrays = {
-        "DAMPER": ("dof_damping", "dof_dampingpoly"), "FRICTIONLOSS": ("dof_frictionloss",),
-        "SPRING": ("jnt_stiffness", "jnt_stiffnesspoly"),
+        "DAMPER": damping, "SPRING": springs, "FRICTIONLOSS": ("dof_frictionloss",), "CONTACT": contacts,
+        "PASSIVE": (*damping, *springs), "CONSTRAINT": ("dof_frictionloss", *contacts),
     }  # fmt: skip
-    for flag, names in arrays.items():
+    for flag, names in arrays.items():  # not all versions of MuJoCo have all flags and arrays
         if model.opt.disableflags & getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}", 0):
-            for name in names:  # not all versions of MuJoCo have all of them
-                getattr(model, name, np.zeros(0))[:] = 0.0
+            for name in names:
+                getattr(model, name, np.zeros(0))[:] = 0
 
 
 def _gives_inertia(mujoco: Any, spec: Any, body: Any, geom: Any) -> bool:
