@@ -1,5 +1,6 @@
 """Derivatives of large robots, as loops or swept instead of compiled: the same as compiled ones, and as Pinocchio's."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cutpoint.derivatives import definitions, sweeps
 from cutpoint.derivatives.functions import elastic_loops
 from cutpoint.derivatives.large import inverse_of
 from cutpoint.errors import InputError
+from cutpoint.export import export_function
 from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.programs.compiled import program_ir
 from cutpoint.kernels.programs.plan import plan
@@ -59,6 +61,13 @@ def test_swept_derivatives_are_the_compiled_ones(name: str, coupling: str) -> No
         for x, y in zip(ours, theirs, strict=True):
             assert x.shape == y.shape
             np.testing.assert_allclose(x, y, rtol=0, atol=1e-12 * np.abs(y).max(initial=1.0))
+
+
+def test_swept_derivatives_have_no_kernel_to_export(tmp_path: Path) -> None:
+    robot = Robot(chain(25, ("revolute", "spherical")))
+    for name in ("inverse_dynamics", "forward_dynamics", "elastic_forward_dynamics"):
+        with pytest.raises(InputError, match=rf"{name}_derivatives: with 25 bodies .* has no kernel .* or to export"):
+            export_function(robot, f"{name}_derivatives", tmp_path)
 
 
 LOOPED = {

@@ -123,6 +123,7 @@ def _over_batch(
 ) -> list[Array]:
     """The matrices of these shapes for each configuration, (..., m, n)."""
     compiled = compiled_of(robot)
+    compiled.remember_as_loops(name)
     arrays = [checked_array(name, key, x, compiled.size_of(key)) for key, x in given.items()]
     check_quaternions(name, "q", arrays[0], compiled.quaternions)
     batch = common_batch(name, {key: x.shape[:-1] for key, x in zip(given, arrays, strict=True)})
