@@ -7,12 +7,13 @@ import pytest
 from numpy_adaptive_vdc import DUALS
 from numpy_adaptive_vdc import pseudo_inertia as pseudo_inertia_of
 
-from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor
-from cutpoint.control import AdaptiveVDC
+from cutpoint import Coulomb, Drive, LinearSpring, Robot, Rotor, simulate
+from cutpoint.control import AdaptiveVDC, Command, Measurement, Reference, tune
 from cutpoint.control.laws.adaptation import factor, inertial_of_factor, natural, projected
 from cutpoint.mechanics.bodies.pseudo_inertia import pseudo_inertia
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
+from cutpoint.trajectories import cycloid
 from robot_library import Array, assert_close, derivative, robot, tree
 
 RUNS = 1000
@@ -118,6 +119,32 @@ def test_what_it_believes_is_told_in_the_frames_of_the_files(update):
     arm = robot("ur10")  # whose axes are not all z
     law = AdaptiveVDC(arm, 5.0, 10.0, 1.0, 40.0, update=update)
     assert_close(law.inertial_parameters(law.start()), arm.inertial_parameters)
+
+
+@pytest.mark.parametrize("update", ["projection", "natural"])
+def test_what_it_believes_can_be_recorded_while_it_runs(update):
+    """By a wrapper that compiles: one that ran as a callback would warn, and warnings are errors."""
+    arm = robot("ur10")
+    heavy = arm.with_payload(5.0, com=np.zeros(3), inertia=0.01 * np.eye(3), frame=arm.joints[-1])
+    law = tune(arm, 4.0, AdaptiveVDC, update=update, body_rate=10.0)
+
+    class Recording:
+        def start(self) -> Any:
+            return law.start()
+
+        def step(self, memory: Any, measured: Measurement, wanted: Reference) -> tuple[Any, Command]:
+            memory, command = law.step(memory, measured, wanted)
+            return memory, Command(command.torque, feedforward=law.inertial_parameters(memory)[::10])
+
+    log = simulate(heavy, Recording(), cycloid(end=np.full(6, 0.5), duration=0.2))
+    assert log.run is not None
+    memory, seen = law.start(), (log[f"measured_{name}"] for name in ("q", "v", "theta", "theta_dot"))
+    masses = []
+    for time, *measured, wanted in zip(log.time, *seen, log.run.reference.swapaxes(0, 1), strict=True):
+        memory, _ = law.step(memory, Measurement(time, 1e-3, *measured), Reference(*wanted, *wanted[:2]))
+        masses.append(law.inertial_parameters(memory)[::10])
+    assert_close(log["feedforward_torque"], np.array(masses))
+    assert masses[-1].sum() > masses[0].sum()  # the payload
 
 
 @pytest.mark.parametrize(("update", "rate"), [("projection", 1e12), ("natural", 1.0)])

@@ -127,11 +127,11 @@ class AdaptiveVDC(VDC):
 
     def inertial_parameters(self, memory: Estimates) -> Array:
         """(10 n,): the current estimates for all bodies, in the order of `Robot.inertial_parameters`."""
-        found: list[float] = []
+        found: list[Scalar] = []
         for segment, estimate in zip(self.model.system.segments, memory.bodies, strict=True):
             own = inertia_of(self._inertial(estimate))
             found += parameters_of(own.seen_from_parent(Pose(segment.to_user_axes, ZERO)))
-        return np.array(found, float)
+        return np.array(found)
 
     def _inertial(self, estimate: Any) -> list[Scalar]:
         """A body's ten parameters, in the machine's own frame, from its estimate in memory."""
