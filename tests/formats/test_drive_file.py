@@ -359,6 +359,9 @@ SCREW = "ratio: 1256.6, rotor: {inertia: 1.0e-5}"
         ("ratio: 1256637.0", "ratio 1256637.0 rad/m is a lead of 5e-06 m per turn"),
         ("ratio: 1.2566", "ratio 1.2566 rad/m is a lead of 5 m per turn"),
         (f"{SCREW}, compliance: {{linear: {{stiffness: 150}}}}", "stiffness 150.0 N/m looks like N/mm or N/µm"),
+        ("ratio: 1256.6, rotor: {inertia: 0.22}", "rotor.inertia 0.22 kg m2 looks like kg cm2"),
+        (f"{SCREW}, motor: {{torque_constant: 95}}", "motor.torque_constant 95.0 N m/A looks like mN m/A"),
+        (f"{SCREW}, ratings: {{rated_speed: 3000}}", "ratings.rated_speed 3000.0 rad/s looks like rpm"),
     ],
 )
 def test_so_are_those_of_a_joint_that_slides(entry: str, message: str) -> None:

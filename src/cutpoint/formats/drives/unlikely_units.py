@@ -42,16 +42,22 @@ LATEST = 0.05
 
 RPM, ARCMIN = "rpm (1 rpm = 0.1047 rad/s)", "arc minutes (1 arcmin = 2.909e-4 rad)"
 
-LARGEST: dict[YamlPath, tuple[float, str]] = {
+Limits = dict[YamlPath, tuple[float, str]]
+"""By path, the limit beyond which a number is doubted, and what it looks like."""
+
+OF_MOTORS: Limits = {
     **{("ratings", f"{speed}_speed"): (FASTEST, RPM) for speed in ("rated", "average", "maximum")},
+    ("motor", "delay"): (LATEST, "ms (1 ms = 1e-3 s)"),
+}
+
+OF_TURNING: Limits = {
     ("backlash",): (WIDEST, ARCMIN),
     ("hysteresis", "loss"): (WIDEST, ARCMIN),
     ("hysteresis", "reach"): (WIDEST, ARCMIN),
-    ("motor", "delay"): (LATEST, "ms (1 ms = 1e-3 s)"),
 }
-"""For drives of revolute joints: the limit beyond which a number is doubted, and what it looks like."""
+"""For drives of revolute joints only."""
 
-BEFORE_A_GEAR: dict[YamlPath, tuple[float, str]] = {
+BEFORE_A_GEAR: Limits = {
     ("rotor", "inertia"): (HEAVIEST, "kg cm2 (1 kg cm2 = 1e-4 kg m2), or like the inertia at the joint"),
     ("motor", "torque_constant"): (STRONGEST, "mN m/A (1 mN m/A = 1e-3 N m/A), or like the constant at the joint"),
 }
@@ -63,10 +69,7 @@ STIFFNESSES: tuple[YamlPath, ...] = tuple(("compliance", law, "stiffness") for l
 def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
     """Numbers that look like another unit in the drive of a revolute joint, in words, and their paths in its entry."""
     geared = abs(ratio) >= GEARED
-    for path, (most, likeness) in (LARGEST | (BEFORE_A_GEAR if geared else {})).items():
-        value = _at(sheet, path)
-        if value is not None and value > most:
-            yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
+    yield from _too_large(sheet, section, OF_MOTORS | OF_TURNING | (BEFORE_A_GEAR if geared else {}))
     if sheet.ratio is not None and abs(ratio) < LEAST_RATIO:
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
         remedy = "state motor turns per joint turn"
@@ -90,6 +93,7 @@ def doubts_of(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tup
 
 def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iterator[tuple[str, YamlPath]]:
     """The same for a prismatic joint."""
+    yield from _too_large(sheet, section, OF_MOTORS | (BEFORE_A_GEAR if abs(ratio) >= FROM_RATIO else {}))
     if sheet.ratio is not None and abs(ratio) != 1.0 and not FROM_RATIO <= abs(ratio) <= TO_RATIO:
         lead = f"a lead of {2.0 * math.pi / abs(ratio):.3g} m per turn"
         stated = section.stated(DriveSheet, ("ratio",), sheet.ratio)
@@ -98,6 +102,13 @@ def doubts_of_sliding(sheet: DriveSheet, section: Section, ratio: float) -> Iter
         stiffness = _at(sheet, path)
         if stiffness is not None and stiffness < SOFTEST_SLIDE:
             yield f"{section.stated(DriveSheet, path, stiffness)} looks like N/mm or N/µm", path
+
+
+def _too_large(sheet: DriveSheet, section: Section, limits: Limits) -> Iterator[tuple[str, YamlPath]]:
+    for path, (most, likeness) in limits.items():
+        value = _at(sheet, path)
+        if value is not None and value > most:
+            yield f"{section.stated(DriveSheet, path, value)} looks like {likeness}", path
 
 
 def _at(sheet: Any, path: YamlPath) -> float | None:
