@@ -501,3 +501,22 @@ def test_friction_of_a_users_own_law_is_identified_as_stated_or_replaced_by_a_kn
         assert found[f"churning.{joint}"].value == pytest.approx(0.5, abs=0.02)
     chosen = identify_rigid(file, log, cutoff=CUTOFF)
     assert {choice.family.partition(",")[0] for choice in chosen.friction} <= {"coulomb", "stribeck"}
+
+
+def test_friction_that_grows_with_load_is_chosen_though_the_files_bodies_hang_elsewhere():
+    """Friction of 0.1 of a load that the file has a quarter of a turn away, along the other axis."""
+    true = two_joints()
+    elsewhere = true.inertial_parameters.copy()
+    elsewhere[13], elsewhere[11] = -elsewhere[11], 0.0  # h_z and h_x of the last body
+    file = Robot(with_parameters(true.mechanism, elsewhere), true.drives)
+    time, phases = np.arange(0.0, 15.0, 0.002), np.array([0.3, 1.1])
+    turns = 2.0 * np.pi * np.array([[0.2, 0.3], [0.5, 0.7]])
+    angles = time[:, None, None] * turns + phases
+    q = np.sin(angles).sum(axis=1)
+    v, a = (turns * np.cos(angles)).sum(axis=1), -(turns**2 * np.sin(angles)).sum(axis=1)
+    load = true.inverse_dynamics(q, v, a)
+    torque = load + (1.0 + 0.1 * np.abs(load)) * np.tanh(v / 0.02)
+    torque += 0.02 * np.random.default_rng(0).normal(size=q.shape)
+    found = identify_rigid(file, Recording(time, true.joints, q=q, torque=torque), solver="lmi_trace", rotors=False)
+    assert all(choice.family.endswith("with load") for choice in found.friction)
+    assert [found[f"per_load.{joint}"].value for joint in file.joints] == pytest.approx([0.1, 0.1], rel=0.05)

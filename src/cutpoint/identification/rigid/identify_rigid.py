@@ -122,7 +122,8 @@ def identify_rigid(
     loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     how = _How(method, asked, offsets, (), rotor_errors or {}, known, errors, prior_spread, solver)
-    if errors:  # whose reaction depends on the load
+    if errors or friction == "choose" or isinstance(friction, tuple):
+        # errors' reaction depends on the load, friction may; the file's bodies may be far off
         loads = _loads(_fitted(base, laws, log, loads, how))
     relieved = log.without_errors(loads)
     choices = _choices(base, relieved, loads, offsets) if friction == "choose" else ()
