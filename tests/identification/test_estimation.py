@@ -520,3 +520,31 @@ def test_friction_that_grows_with_load_is_chosen_though_the_files_bodies_hang_el
     found = identify_rigid(file, Recording(time, true.joints, q=q, torque=torque), solver="lmi_trace", rotors=False)
     assert all(choice.family.endswith("with load") for choice in found.friction)
     assert [found[f"per_load.{joint}"].value for joint in file.joints] == pytest.approx([0.1, 0.1], rel=0.05)
+
+
+@pytest.mark.parametrize(("shift", "offset"), [(0.0, 0.0), (-3.0, -2.0)])
+@pytest.mark.parametrize("stated", [None, 0.4])
+def test_what_friction_explains_as_well_as_an_offset_is_friction(shift: float, offset: float, stated: float | None):
+    """The shoulder turns one way, with 1 N m of dry friction: beside an offset, which no file holds, a log of it
+    determines the sum only.  Friction cannot be negative: of -3 N m an offset takes at least what is left."""
+    law = None if stated is None else Coulomb(stated, 0.5, 0.02)
+    file = two_joints().with_drives(dict.fromkeys(("shoulder", "elbow"), Drive(1.0, Rotor(0.1), link_friction=law)))
+    time = np.arange(0.0, 15.0, 0.002)
+    turns = 2.0 * np.pi * np.array([0.2, 0.3])
+    ahead, waves = np.array([0.15, 0.0]), np.array([0.05, 0.8])
+    angles = time[:, None] * turns
+    q, v, a = (
+        ahead * time[:, None] + waves * np.sin(angles),
+        ahead + waves * turns * np.cos(angles),
+        -waves * turns**2 * np.sin(angles),
+    )
+    torque = file.inverse_dynamics(q, v, a) + 0.1 * a + np.tanh(v / 0.02) + 0.5 * v + [shift, 0.0]
+    torque += 0.02 * np.random.default_rng(1).normal(size=q.shape)
+    found = identify_rigid(file, Recording(time, file.joints, q=q, torque=torque), solver="lmi_trace")
+    assert not found["offset.shoulder"].told and not found["coulomb.shoulder"].told
+    friction = found.model.laws["shoulder"]
+    assert friction.torque(0.2) + found.model.offsets[0] == pytest.approx(1.1 + shift, abs=0.05)
+    if offset == 0.0:
+        assert found.model.offsets[0] == pytest.approx(0.0, abs=0.02)
+    else:
+        assert found.model.offsets[0] < offset + 0.05

@@ -1,8 +1,11 @@
 """Files of an identification: the robot, its drives, all numbers, the report."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from cutpoint.errors import InputError
 from cutpoint.files import check_target_folder, replacing
@@ -14,6 +17,7 @@ from cutpoint.formats.urdf.xacro_expansion import expand
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number
 from cutpoint.identification.output.report import report
+from cutpoint.identification.rigid.uncertainty import COSTLY
 from cutpoint.joint_units import at_joints
 from cutpoint.reporting.numbers import json_bytes
 from cutpoint.robot import Robot
@@ -57,7 +61,7 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     for number in found.numbers:
         if number.path:
             remarks[number.joint][number.path] = number.remark
-    offsets = [note for number in found.numbers if (note := _offset(number))]
+    offsets = _offsets(found)
     notes += offsets
     heading = [f"Identified by cutpoint {__version__}; remarks are 95 % intervals, from the log alone."]
     heading += offsets
@@ -68,12 +72,20 @@ def _model_files(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     return files, notes
 
 
-def _offset(number: Number) -> str:
-    """A note on a torque offset, which no file holds though a report's errors include it; else empty."""
-    if not (number.name.startswith("offset.") and number.told and not number.low <= 0.0 <= number.high):
-        return ""
-    torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque is an offset, of a sensor or a current"
-    return f"{torque}: no file holds it, so models made from these files are off by it"
+def _offsets(found: Identification) -> list[str]:
+    """Notes on torque offsets, which no file holds though a report's errors include them."""
+    errors, notes = found.errors, list[str]()
+    for number in found.numbers:
+        if not number.name.startswith("offset."):
+            continue
+        j = found.robot.joints.index(number.joint)
+        without = replace(errors, after=errors.after - number.used * np.eye(len(found.robot.joints))[j])
+        is_missed = not number.told and without.rms("after")[j] > COSTLY * errors.rms("after")[j]
+        if is_missed or (number.told and not number.low <= 0.0 <= number.high):
+            torque = f"{number.used:.4g} {number.unit} of {number.joint}'s torque is an offset"
+            rule = "no file holds it, so models made from these files are off by it"
+            notes.append(f"{torque}, of a sensor or a current: {rule}")
+    return notes
 
 
 def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.arrays import Array
 from cutpoint.identification.rigid.base_parameters import BaseParameters, rotor_sizes
 from cutpoint.identification.rigid.bodies import Bodies, bodies_of
+from cutpoint.identification.rigid.least_squares import solved
 from cutpoint.identification.rigid.rigid_robot import stated_coefficient
 from cutpoint.mechanics.drives.friction import Sliding
 
@@ -95,11 +96,22 @@ def fit_of(
     prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
     # a file without static friction means that it equals the friction in motion
     near = TIGHT * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
+    near[_needless(names[b:], b, R, z, told)] = LEAST
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
     most = np.array([_most(name, laws) for name in names[b:]]) / sizes
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
     return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, most, spread)
+
+
+def _needless(names: Sequence[str], first: int, R: Array, z: Array, told: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of friction and offsets (k,), behind the first parameters of R x = z, are offsets that a log does not
+    determine, and in whose place friction, none negative, or weights explain it: files hold these, but no offset."""
+    untold = np.array([name.startswith("offset.") for name in names], dtype=bool) & ~told
+    values = solved(R * np.append(np.ones(first), ~untold), z)[0]
+    pairs = [name.split(".", 1) for name in names]
+    pushes = {joint for (kind, joint), x in zip(pairs, values[first:], strict=True) if kind != "offset" and x < 0.0}
+    return untold & np.array([joint not in pushes for _, joint in pairs], dtype=bool)
 
 
 def _most(name: str, laws: Mapping[str, Sliding]) -> float:
