@@ -15,7 +15,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import minimize, nnls
 
 from cutpoint.arrays import Array
-from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
+from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of, widest_smoothing
 from cutpoint.identification.rigid.regression import friction_columns
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding, Stribeck
 
@@ -137,6 +137,11 @@ class _Trial:
         return found
 
     @cached_property
+    def widest(self) -> float:
+        """rad/s, see `widest_smoothing`."""
+        return widest_smoothing(self.speed)
+
+    @cached_property
     def _of_others(self) -> Array:
         return np.array([block.T @ block for block in np.array_split(self.others, BLOCKS)])
 
@@ -188,9 +193,10 @@ def _family(law: Sliding) -> str:
 def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, list[Tried]]:
     """Laws by family, with their products; size: RMS speed."""
     grease = None if expected is None else expected.grease
-    sharp = [(size * x, size * y) for x in SMOOTHINGS for y in STRIBECKS if y > x]
+    smoothings = np.minimum(size * SMOOTHINGS, trial.widest).tolist()
+    sharp = [(x, size * y) for x in smoothings for y in STRIBECKS if size * y > x]
     plain: dict[str, list[Sliding]] = {
-        "coulomb": [Coulomb(1.0, 0.0, size * x, grease=grease) for x in SMOOTHINGS],
+        "coulomb": [Coulomb(1.0, 0.0, x, grease=grease) for x in smoothings],
         "stribeck": [Stribeck(1.0, 1.0, 0.0, y, x, grease=grease) for x, y in sharp],
     }
     if isinstance(expected, (Coulomb, Stribeck)):  # others are user-defined
@@ -215,7 +221,7 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
 
     def misfit(x: Array) -> float:
         new = moved(law, dict(zip(names, x.tolist(), strict=True)))
-        if not is_sharp(new):
+        if not is_sharp(new, trial.widest):
             return float(np.finfo(float).max)
         found.extend(trial.all([new]))
         return trial.misfit(found[-1])

@@ -11,7 +11,7 @@ import numpy as np
 from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.motion import sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
-from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of
+from cutpoint.identification.rigid.law_shape import is_sharp, moved, shape_of, widest_smoothing
 from cutpoint.identification.rigid.least_squares import huber_weights, solved, weighted
 from cutpoint.identification.rigid.regression import Regression, inertial_columns, of_joint, regression
 from cutpoint.identification.rigid.rigid_estimate import TorqueData
@@ -53,7 +53,12 @@ def best_shapes(
             found[joint] = moved(found[joint], {name: step})
         if max(map(abs, steps.values())) < SETTLED:
             break
-    lost = {joint for (joint, _), step in steps.items() if abs(step) > NEARLY or not is_sharp(found[joint])}
+    speeds = dict(zip(base.robot.joints, sliding_speeds(base.robot, log.motion).T, strict=True))
+    lost = {
+        joint
+        for (joint, _), step in steps.items()
+        if abs(step) > NEARLY or not is_sharp(found[joint], widest_smoothing(speeds[joint]))
+    }
     return {joint: laws[joint] if joint in lost else law for joint, law in found.items()}
 
 
