@@ -550,3 +550,20 @@ def test_what_friction_explains_as_well_as_an_offset_is_friction(
         assert found.model.offsets[0] == pytest.approx(0.0, abs=0.02)
     else:
         assert found.model.offsets[0] < offset + 0.05
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("held", [0.4, -1.2])
+def test_the_weight_of_a_joint_that_stands_still_is_its_bodies(held: float, seed: int):
+    """Its friction, zero but for rounding, does not push: no offset is needed."""
+    file, time, turn = two_joints(), np.arange(0.0, 15.0, 0.002), 0.6 * np.pi
+    q, v, a = np.zeros((3, time.size, 2))
+    q[:, 0] = held
+    q[:, 1] = 0.8 * np.sin(turn * time) + 0.3 * np.sin(2.0 * turn * time)
+    v[:, 1] = turn * (0.8 * np.cos(turn * time) + 0.6 * np.cos(2.0 * turn * time))
+    a[:, 1] = -(turn**2) * (0.8 * np.sin(turn * time) + 1.2 * np.sin(2.0 * turn * time))
+    torque = 1.2 * file.inverse_dynamics(q, v, a) + 0.02 * np.random.default_rng(seed).normal(size=q.shape)
+    recording = Recording(time, file.joints, q=q, torque=torque)
+    found = identify_rigid(file, recording, solver="lmi_trace", friction="stated")
+    assert not found["offset.shoulder"].told
+    assert abs(found.model.offsets[0]) < 1e-5

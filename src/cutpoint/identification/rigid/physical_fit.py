@@ -96,7 +96,7 @@ def fit_of(
     prior = np.nan_to_num(stated - more @ np.nan_to_num(stated)) / sizes
     # a file without static friction means that it equals the friction in motion
     near = TIGHT * np.where(prior == 0.0, 1.0, np.clip(np.abs(prior), LEAST, 1.0))
-    near[_needless(names[b:], b, R, z, told)] = LEAST
+    near[_needless(names[b:], R, z, sizes, told)] = LEAST
     loose = np.where(told | np.isnan(stated) & ~more.any(axis=1), LOOSE, near)
     positive = np.array([not name.startswith("offset.") for name in names[b:]], dtype=bool)
     most = np.array([_most(name, laws) for name in names[b:]]) / sizes
@@ -104,13 +104,14 @@ def fit_of(
     return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, most, spread)
 
 
-def _needless(names: Sequence[str], first: int, R: Array, z: Array, told: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which of friction and offsets (k,), behind the first parameters of R x = z, are offsets that a log does not
-    determine, and in whose place friction, none negative, or weights explain it: files hold these, but no offset."""
+def _needless(names: Sequence[str], R: Array, z: Array, sizes: Array, told: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of friction and offsets (k,), the last parameters of R x = z, are offsets that a log does not determine,
+    and in whose place friction, none negative, or weights explain it: files hold these, but no offset."""
     untold = np.array([name.startswith("offset.") for name in names], dtype=bool) & ~told
-    values = solved(R * np.append(np.ones(first), ~untold), z)[0]
+    values = solved(R * np.append(np.ones(len(R) - len(names)), ~untold), z)[0][-len(names) :]
     pairs = [name.split(".", 1) for name in names]
-    pushes = {joint for (kind, joint), x in zip(pairs, values[first:], strict=True) if kind != "offset" and x < 0.0}
+    pushing = (values < -LEAST * sizes).tolist()
+    pushes = {joint for (kind, joint), push in zip(pairs, pushing, strict=True) if push and kind != "offset"}
     return untold & np.array([joint not in pushes for _, joint in pairs], dtype=bool)
 
 
