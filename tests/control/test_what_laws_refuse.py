@@ -137,7 +137,7 @@ REFUSED = {
     "unknown derivatives": (lambda: vdc(derivatives="both"), r"VDC: derivatives 'both' must be 'model' or 'filter'"),
     "model derivatives on a mixed robot": (
         lambda: VDC(robot("mixed"), *GAINS),
-        r"VDC: the drive of '\w+' is rigid, so .* its link; use derivatives='filter', or AdaptiveVDC",
+        r"VDC: the drive of '\w+' is rigid, so .* its link; use AdaptiveVDC, or in Python derivatives='filter'",
     ),
     "model derivatives while learning": (
         lambda: AdaptiveVDC(elbow(), *GAINS, derivatives="model"),

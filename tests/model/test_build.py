@@ -103,6 +103,14 @@ def test_a_floating_base_carries_the_root_link() -> None:
     assert arm.parent == 0
 
 
+def test_a_robot_that_floats_already_does_not_float_twice() -> None:
+    joint = Joint("free", "floating", "world", "trunk")
+    assert len(build("r", [ball("world"), ball("trunk")], [joint], floating_base=True).bodies) == 2
+    told = r"joint 'free': already lets the robot float, from link 'world', which has no mass; leave out floating_base"
+    with pytest.raises(ModelError, match=told):
+        build("r", [Link("world"), ball("trunk")], [joint], floating_base=True)
+
+
 def test_what_floats_may_hang_on_what_moves() -> None:
     robot = chain("spherical", "floating", "planar")
     assert [(body.joint.kind, body.parent) for body in robot.bodies] == [

@@ -80,6 +80,8 @@ def build(
         bodies = _mended(bodies, places)
     check_bodies(bodies, tree.pieces, places)
     check_all_bear_mass(bodies, places)
+    if floating_base:
+        _check_floats_once(bodies, places)
     return Mechanism(name, bodies, tree.frames([link.name for link in links], carried), fall, coupled)
 
 
@@ -163,3 +165,12 @@ def _floating_joint(root: str, joints: Sequence[Joint], places: Places) -> Joint
         complaint = "this name is taken by the joint that floating_base adds; rename it"
         raise places.error(f"joint {FLOATING_JOINT!r}", complaint, joint=FLOATING_JOINT)
     return Joint(FLOATING_JOINT, "floating", parent=WORLD_LINK, child=root)
+
+
+def _check_floats_once(bodies: Sequence[Body], places: Places) -> None:
+    """Raises ModelError for a massless root between two floating joints: nothing says how it moves."""
+    floating = [body.joint.name for body in bodies if body.parent == 0 and body.joint.kind == "floating"]
+    if floating and bodies[0].mass == 0.0:
+        remedy = "leave out floating_base (--floating-base)"
+        complaint = f"already lets the robot float, from link {bodies[0].name!r}, which has no mass; {remedy}"
+        raise places.error(f"joint {floating[0]!r}", complaint, joint=floating[0])

@@ -70,7 +70,7 @@ class VDC(ModelLaw):
         rigid = [name for name, drive in drives if not drive.is_elastic]
         if self.derivatives == "model" and 0 < len(rigid) < len(drives):
             why = f"the drive of {rigid[0]!r} is rigid, so no deflection tells what accelerates its link"
-            raise InputError(f"{law}: {why}; use derivatives='filter', or AdaptiveVDC", joint=rigid[0])
+            raise InputError(f"{law}: {why}; use AdaptiveVDC, or in Python derivatives='filter'", joint=rigid[0])
         if self.derivatives == "model":
             check_no_full_coupling(law, self.robot, "derivatives='filter'")
 
