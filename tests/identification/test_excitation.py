@@ -351,7 +351,7 @@ def test_the_command_keeps_the_last_frame_or_the_named_one_in_a_box(tmp_path: Pa
         (["--box", "0", "0", "0", "1", "1", "1", "--frame", "hand"], r"no frame is named 'hand'"),
         (["--frame", "tool"], r"--frame 'tool' needs a box to stay in: add --box"),
         (["--box", "0", "0", "0", "1", "1"], r"'--box' requires 6 arguments"),
-        (["--box", "0", "0", "0", "1", "1", "high"], r"--box.* number"),
+        (["--box", "0", "0", "0", "1", "1", "high"], r"--box.* (float|number)"),
     ],
 )
 def test_a_box_that_is_none_is_refused_by_the_command(given: list[str], message: str, tmp_path: Path) -> None:
