@@ -255,6 +255,12 @@ def test_a_recording_made_in_python_is_suspected_as_a_file_is(files: Path, tmp_p
         identify(files / "arm.urdf", far, drives=files / "rigid.yaml")
 
 
+def test_a_log_in_the_place_of_the_robot_is_named(files: Path):
+    log = Recording(TIME, ("shoulder", "elbow"), **channels())
+    with pytest.raises(InputError, match=r"identify: robot .* a Robot, or the path of a robot file"):
+        identify(log, TRUTH)  # type: ignore[arg-type]
+
+
 def test_short_gaps_are_bridged_and_counted(files: Path):
     kept = np.random.default_rng(0).random(TIME.size) > 0.2
     kept[[0, -1]] = True

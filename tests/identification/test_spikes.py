@@ -6,7 +6,7 @@ from arm_logs import LAW, TIME, TRUTH, channels
 
 from cutpoint import Drive, Robot
 from cutpoint.identification import Recording, identify
-from cutpoint.identification.conditioning.spikes import without_spikes
+from cutpoint.identification.logs.spikes import without_spikes
 
 RNG = np.random.default_rng(4)
 

@@ -139,3 +139,20 @@ def test_millimetres_of_a_joint_that_slides_are_refused_with_the_units_of_all():
         InputError, match=r"q of joint 'elbow' runs from .* to 800 m, .* like mm: .* unit: \[rad, mm\]}"
     ):
         refuse_other_units(Recording(T, ("shoulder", "elbow"), q=q), arm)
+
+
+@pytest.mark.parametrize("false", [50.0, -1e300])
+def test_single_false_positions_are_not_taken_for_another_unit(false: float):
+    arm, q = Robot(parse_urdf(urdf_text())), np.array(SPANS)
+    q[[700, 1900], 1] = false
+    log = Recording(T, ("shoulder", "elbow"), q=q)
+    refuse_other_units(log, arm)
+    assert suspicions(log) == []
+
+
+def test_false_positions_in_a_row_are_refused_as_false_with_their_time():
+    arm, q = Robot(parse_urdf(urdf_text())), np.array(SPANS)
+    q[700:720, 1] = 65535.0
+    said = rf"to 6.554e\+04 rad, .* in only 20 samples, from {T[700]:.4g} s on: leave the cells"
+    with pytest.raises(InputError, match=said):
+        refuse_other_units(Recording(T, ("shoulder", "elbow"), q=q), arm)

@@ -7,9 +7,10 @@ import numpy as np
 from scipy.ndimage import binary_erosion
 
 from cutpoint.arrays import Array
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
+from cutpoint.identification.logs.spikes import SELDOM, without_spikes
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
 
@@ -25,6 +26,9 @@ TURNS = 4.0
 MOST_DEFLECTION = 0.02
 """rad: no drive's spring deflects this far at rest."""
 
+UNLIKE = 10.0
+"""Times as far as nearly all others: such samples are false."""
+
 FITS = 0.1
 """Tolerance of a factor that should be 1: noise and deflection have a smaller effect."""
 
@@ -39,7 +43,17 @@ EXPLANATIONS = {
 
 def refuse_other_units(recording: Recording, robot: Robot) -> None:
     """Raises InputError for positions far beyond a joint's limits, such as degrees or counts taken as radians, or mm as
-    metres; for motors whose positions are all the links' times one factor; and for a clock in another unit."""
+    metres; for motors whose positions are all the links' times one factor; and for a clock in another unit.
+
+    Single false samples, which `identify` replaces, do not count.
+    """
+    try:
+        _refuse(recording, robot)
+    except InputError:
+        _refuse(without_spikes(recording), robot)
+
+
+def _refuse(recording: Recording, robot: Robot) -> None:
     _refuse_one_factor(recording, robot)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
@@ -77,17 +91,20 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
 
 def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot) -> str:
     """What positions (N,) far beyond a joint's limits look like."""
-    ratio, runs = (
-        robot.drives[joint].ratio,
-        f"{name} of joint {joint!r} runs from {np.nanmin(x):.4g} to {np.nanmax(x):.4g}",
-    )
+    ratio, slides = robot.drives[joint].ratio, joint in robot.mechanism.sliding
+    si = "m" if slides else "rad"
+    runs = f"{name} of joint {joint!r} runs from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} {si}"
+    false = np.flatnonzero(np.abs(x) > UNLIKE * np.nanquantile(np.abs(x), 1.0 - SELDOM))
+    if false.size:
+        few = f"{counted(false.size, 'sample')}, from {recording.time[false[0]]:.4g} s on"
+        return f"{runs}, far beyond its limits, in only {few}: leave the cells of false samples empty"
     if name == "theta" and _are_rotors(recording, joint, ratio):
-        rule = "rad, the ratio times as far as q, so it is the rotor's"
-        words = f"{runs} {rule}: state '{name}: {{channels: ..., side: motor}}' in a mapping"
+        remedy = f"state '{name}: {{channels: ..., side: motor}}' in a mapping"
+        words = f"{runs}, the ratio times as far as q, so it is the rotor's: {remedy}"
     else:
-        si, looks, unit = _likely_unit(joint, x, recording, robot)
+        looks, unit = _likely_unit(slides, x, recording, robot)
         remedy = f"state '{name}: {{channels: ..., unit: {unit}}}' in a mapping"
-        words = f"{runs} {si}, far beyond its limits; this looks like {looks}: {remedy}"
+        words = f"{runs}, far beyond its limits; this looks like {looks}: {remedy}"
     if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
         words += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
     if name == "theta" and ratio == 1.0:
@@ -95,14 +112,13 @@ def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot)
     return words
 
 
-def _likely_unit(joint: str, x: Array, recording: Recording, robot: Robot) -> tuple[str, str, str]:
-    """The SI unit of positions (N,), the unit that they seem to be in, and what a mapping states for that."""
-    slides = joint in robot.mechanism.sliding
+def _likely_unit(slides: bool, x: Array, recording: Recording, robot: Robot) -> tuple[str, str]:
+    """The unit that positions (N,) seem to be in, and what a mapping states for that."""
     if not slides and (_known(x) == np.round(_known(x))).all():
-        return "rad", "counts", "counts, counts_per_turn: ..."
-    si, own, other, looks = ("m", "mm", "rad", "mm") if slides else ("rad", "deg", "m", "degrees")
+        return "counts", "counts, counts_per_turn: ..."
+    own, other, looks = ("mm", "rad", "mm") if slides else ("deg", "m", "degrees")
     units = [own if (each in robot.mechanism.sliding) == slides else other for each in recording.joints]
-    return si, looks, own if other not in units else f"[{', '.join(units)}]"
+    return looks, own if other not in units else f"[{', '.join(units)}]"
 
 
 def suspicions(recording: Recording) -> list[str]:
@@ -116,7 +132,7 @@ def suspicions(recording: Recording) -> list[str]:
         notes += _noted(recording, name, "stays at its extreme: was it clipped?", _is_cut_off)
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
-        notes += _noted(recording, name, rule, lambda x: float(np.ptp(_known(x))) > TURNS * 2.0 * math.pi)
+        notes += _noted(recording, name, rule, lambda x: _span(x) > TURNS * 2.0 * math.pi)
     return [*notes, *contradictions(recording), *_other_zeros(recording)]
 
 
@@ -178,6 +194,12 @@ def _noted(recording: Recording, name: str, rule: str, is_wrong: Callable[[Array
 def _columns(recording: Recording, name: str) -> list[tuple[str, Array]]:
     values = recording.channels.get(name)
     return [] if values is None else list(zip(recording.joints, values.T, strict=True))
+
+
+def _span(x: Array) -> float:
+    """Of nearly all samples: few may be false."""
+    low, high = np.quantile(_known(x), [0.5 * SELDOM, 1.0 - 0.5 * SELDOM])
+    return float(high - low)
 
 
 def _known(x: Array) -> Array:

@@ -2,24 +2,25 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.door import check_truths, number, path_of
+from cutpoint.door import check_kind, check_truths, number, path_of
 from cutpoint.errors import InputError
 from cutpoint.formats.drives.file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.other_sides import with_other_sides
-from cutpoint.identification.conditioning.spikes import without_spikes
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
+from cutpoint.identification.logs.spikes import without_spikes
 from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
 from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
@@ -91,6 +92,7 @@ def identify(
     check_truths("identify", rotors=rotors, align=align, progress=progress)
     if springs is not None:
         check_truths("identify", springs=springs)
+    check_kind("identify", "robot", robot, (Robot, str, PathLike), "a Robot, or the path of a robot file")
     file = path_of("identify", source) if source is not None else None if isinstance(robot, Robot) else Path(robot)
     check_method(method)
     check_solver(solver)
