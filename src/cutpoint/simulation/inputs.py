@@ -14,6 +14,7 @@ from cutpoint.simulation.beginning import vector
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.noise import Noise
 from cutpoint.simulation.plant import State
+from cutpoint.trajectories.motion_at import motion_at
 from cutpoint.trajectories.trajectory import Moves
 
 Disturbance = Callable[[Array], ArrayLike]
@@ -53,11 +54,7 @@ def reference_at(robot: Robot, trajectory: Moves | None, initial: State | None, 
             hold[0] = q[[d.q for d in robot.machine.drives]]
         return hold
     check_fits("simulate", trajectory, robot)
-    asked = "trajectory.derivatives(times, 4)"
-    reference, expected = checked_array("simulate", asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
-    if reference.shape != expected:
-        rule = f"it must be {expected}: position to snap, times, joints"
-        raise InputError(f"simulate: {asked} has shape {reference.shape}: {rule}", shape=reference.shape)
+    reference = motion_at("simulate", trajectory, times, robot.joints)
     by_joint = np.ascontiguousarray(reference[0].T)  # NumPy scans contiguous numbers ten times as fast
     for extreme in (by_joint.min(axis=1), by_joint.max(axis=1)):
         check_configuration(robot.mechanism, extreme.tolist())

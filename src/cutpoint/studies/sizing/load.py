@@ -12,6 +12,7 @@ from cutpoint.mechanics.drives.motor import torque_for
 from cutpoint.mechanics.inverse_dynamics import motions, rotor_efforts
 from cutpoint.model import Drive
 from cutpoint.robot import Robot
+from cutpoint.trajectories.motion_at import motion_at
 from cutpoint.trajectories.trajectory import Moves
 
 FEWEST, MOST = 2_000, 500_000
@@ -74,7 +75,7 @@ def sampled(robot: Robot, trajectory: Moves, period: float, dwell: float) -> Loa
 
 
 def _moving(robot: Robot, trajectory: Moves, times: Array) -> Load:
-    return load_of(robot, times, trajectory.derivatives(times, 4))
+    return load_of(robot, times, motion_at("sizing", trajectory, times, robot.joints))
 
 
 def load_of(robot: Robot, times: Array, motion: Array) -> Load:

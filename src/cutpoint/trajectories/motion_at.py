@@ -1,0 +1,57 @@
+"""A motion at sample times, checked: it may be of a user's own trajectory."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from cutpoint.arrays import Array
+from cutpoint.callers import warn
+from cutpoint.door import checked_array
+from cutpoint.errors import InputError, listed
+from cutpoint.trajectories.trajectory import Moves, Trajectory
+
+RATES = (
+    ("velocity", "position"),
+    ("acceleration", "velocity"),
+    ("jerk", "acceleration"),
+    ("snap", "jerk"),
+)
+"""Derivatives, each with what it is the rate of."""
+
+MOVES = 0.1
+"""Share of the largest rate: where it is smaller, it is not judged."""
+
+AGREES = 0.1
+"""Tolerance of a factor that should be 1: sampling has a smaller effect."""
+
+
+def motion_at(function: str, trajectory: Moves, times: Array, joints: Sequence[str]) -> Array:
+    """Position to snap, (5, N, joints), at increasing times (N,), s.
+
+    Warns of derivatives that are not those of the positions.
+    Raises InputError for numbers of another shape, or that are not finite.
+    """
+    n, asked = len(joints), "trajectory.derivatives(times, 4)"
+    motion, expected = checked_array(function, asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
+    if motion.shape != expected:
+        rule = f"it must be {expected}: position to snap, times, joints"
+        raise InputError(f"{function}: {asked} has shape {motion.shape}: {rule}", shape=motion.shape)
+    if not isinstance(trajectory, Trajectory) and (said := [*_contradictions(motion, times, joints)]):
+        warn(f"{function}: the trajectory contradicts itself: {'; '.join(said)}")
+    return motion
+
+
+def _contradictions(motion: Array, times: Array, joints: Sequence[str]) -> Iterator[str]:
+    """What is a multiple of the rate that it is said to be; steps between samples do not count."""
+    for (rate, of), x, v in zip(RATES, motion, motion[1:], strict=False):
+        moved, said = np.diff(x, axis=0), 0.5 * (v[1:] + v[:-1]) * np.diff(times)[:, None]
+        found = {name: _multiple(*both) for name, *both in zip(joints, said.T, moved.T, strict=True)}
+        wrong = {name: f"{factor:.3g}" for name, factor in found.items() if abs(factor - 1.0) > AGREES}
+        if wrong:
+            yield f"the {rate} of {listed(wrong)} is {', '.join(sorted({*wrong.values()}))} times the rate of the {of}"
+
+
+def _multiple(said: Array, moved: Array) -> float:
+    """Typical ratio of steps said to steps moved, (N,), over those where most is said to move; 1 where nothing is."""
+    judged = (np.abs(said) > MOVES * np.abs(said).max(initial=0.0)) & (moved != 0.0)
+    return float(np.median(said[judged] / moved[judged])) if judged.any() else 1.0
