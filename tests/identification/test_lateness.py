@@ -44,6 +44,17 @@ def test_torques_of_another_time_than_the_motion_are_named(samples: int, when: s
     assert "without an encoder" not in note
 
 
+def test_a_log_too_short_to_judge_delays_is_said_to_be():
+    known, log = arm(on_motors=False)
+    notes = [
+        [note for note in identify_rigid(known.file, each).notes if "not judged" in note]
+        for each in (log, log.between(0.0, 0.1 * log.time[-1]))
+    ]
+    assert notes[0] == [] and len(notes[1]) == 1
+    words = re.search(r"of (\d+) means only (\d+) are away from .*: a log ([\d.]+) times as long would do", notes[1][0])
+    assert words is not None and int(words[2]) < int(words[1]) and 1.0 < float(words[3]) < 5.0
+
+
 @pytest.mark.parametrize("unseen", ["none", "theta", "q"])
 def test_friction_of_motors_that_reverse_before_their_links_is_no_lateness(unseen: str):
     known, log = arm(on_motors=True)

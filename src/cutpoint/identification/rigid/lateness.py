@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 
 from cutpoint.arrays import Array
+from cutpoint.errors import counted
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion
 from cutpoint.identification.logs.recording import EFFORTS
@@ -105,8 +106,8 @@ def lateness(found: Regression, values: Array, beside: Array, steady: NDArray[np
     from the steady means; NaN for joints whose torques, or those of most joints, `beside` explains better, and for all
     joints if these means are too few."""
     late = _by_delay(found, values)
-    n, count = late.shape[2], len(found.names)
-    if n * steady.sum() < 2 * (count + n):
+    n = late.shape[2]
+    if _lacking(found, steady) > 1.0:
         return np.full(n, np.nan), np.full((n, n), np.nan)
     estimate = with_further(found.part(steady), late[steady])
     delays, covariance = estimate.values[-n:].copy(), estimate.spread.covariance[-n:, -n:].copy()
@@ -115,6 +116,23 @@ def lateness(found: Regression, values: Array, beside: Array, steady: NDArray[np
         explained = (share < LESS) | (np.exp(np.mean(np.log(share))) < LESS)
         delays[explained] = covariance[explained, explained] = np.nan
     return delays, covariance
+
+
+def not_judged(found: Regression, steady: NDArray[np.bool_]) -> list[str]:
+    """A sentence if the steady means are too few to judge delays."""
+    lacking = _lacking(found, steady)
+    if lacking <= 1.0:
+        return []
+    few = f"of {counted(steady.size, 'mean')} only {steady.sum()} are away from every joint's reversals"
+    remedy = f"a log {lacking:.2g} times as long would do" if np.isfinite(lacking) else "record longer, slower motion"
+    return [f"whether torques come late is not judged, as {few}: {remedy}"]
+
+
+def _lacking(found: Regression, steady: NDArray[np.bool_]) -> float:
+    """How many times as many steady means would be enough: twice as many torques as unknowns; 1 or less if they are."""
+    n = found.columns.shape[1]
+    have = n * int(steady.sum())
+    return 2.0 * (len(found.names) + n) / have if have else np.inf
 
 
 def _by_delay(found: Regression, values: Array) -> Array:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import unknown_name
@@ -19,7 +20,7 @@ from cutpoint.identification.conditioning.motion import (
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.base_parameters import BaseParameters
 from cutpoint.identification.rigid.friction_choice import FrictionChoice
-from cutpoint.identification.rigid.lateness import lateness_notes, without_reversals
+from cutpoint.identification.rigid.lateness import lateness_notes, not_judged, without_reversals
 from cutpoint.identification.rigid.least_squares import Estimate
 from cutpoint.identification.rigid.physical import Physical
 from cutpoint.identification.rigid.regression import Regression, other_side_columns
@@ -142,7 +143,7 @@ def estimate_of(
 ) -> RigidEstimate:
     """The estimate of a fit, with intervals at a level."""
     base, log, found, estimate, model = fitted.base, fitted.log, fitted.regression, fitted.estimate, fitted.model
-    robot, table = base.robot, _table(fitted, level)
+    robot, table, steady = base.robot, _table(fitted, level), _steady(fitted)
     return RigidEstimate(
         robot=model.robot(robot),
         model=model,
@@ -152,7 +153,7 @@ def estimate_of(
         noise=estimate.noise,
         cutoff=log.motion.cutoff,
         untold=untold(table, base),
-        doubts=(*reversed_signs(table), *scale_notes(found, estimate.values, robot.joints), *_late(fitted)),
+        doubts=(*reversed_signs(table), *scale_notes(found, estimate.values, robot.joints), *_late(fitted, steady)),
         notes=(
             *notes,
             *_standing(robot, log),
@@ -160,6 +161,7 @@ def estimate_of(
             *_notes(log, found, estimate),
             *strained(table, _costs(fitted)),
             *_curves(fitted, choices),
+            *not_judged(found, steady),
         ),
         friction=choices,
     )
@@ -182,11 +184,16 @@ def _curves(fitted: Fitted, choices: Sequence[FrictionChoice]) -> list[str]:
     return notes
 
 
-def _late(fitted: Fitted) -> list[str]:
+def _steady(fitted: Fitted) -> NDArray[np.bool_]:
+    """Which means are away from every joint's reversals."""
+    log = fitted.log
+    return without_reversals(sliding_speeds(fitted.base.robot, log.motion), log.motion, log.means)
+
+
+def _late(fitted: Fitted, steady: NDArray[np.bool_]) -> list[str]:
     laws, robot, log = fitted.laws, fitted.base.robot, fitted.log
     beside = other_side_columns({joint: laws[joint] for joint in robot.joints}, log.motion, log.means)
     bend = any(drive.is_elastic for drive in robot.drives.values())
-    steady = without_reversals(sliding_speeds(robot, log.motion), log.motion, log.means)
     return lateness_notes(fitted.regression, fitted.estimate.values, beside, steady, robot.joints, bend)
 
 
