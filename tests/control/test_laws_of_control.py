@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from law_library import elbow
 
-from cutpoint import Coulomb, Drive, InputError, Rotor, simulate
+from cutpoint import Coulomb, Drive, ElastoPlastic, InputError, LinearSpring, Rotor, simulate
 from cutpoint.control import (
     PD,
     Command,
@@ -188,6 +188,24 @@ def test_friction_that_grows_with_load_counts_that_of_the_link_among_it():
     exact = torque(Feedforward(ours, "elastic"), m, r)
     for law in (SuperTwisting(ours, 9.0, 4.0, 1.0, 1.0), SlotineLi(ours, 9.0, 4.0)):
         assert_close(torque(law, m, r), exact, 1e-12)
+
+
+def test_laws_for_rigid_robots_take_bristles_that_feel_the_load_as_sliding():
+    sliding = Coulomb(2.0, 0.7, 0.02, per_load=0.14)
+    sticking = ElastoPlastic(sliding, distance=3e-4, damping=3.0, elastic=0.7)
+    plain, ours = (
+        elbow().with_drives(
+            dict.fromkeys(elbow().joints, Drive(100.0, Rotor(5e-5), LinearSpring(8e3), motor_friction=x))
+        )
+        for x in (sliding, sticking)
+    )
+    x = np.random.default_rng(2).normal(size=(11, 2))
+    m, r = Measurement(0.0, 1e-3, *x[:4]), Reference(*x[4:])
+    for kind in (ComputedTorque, SlotineLi, Robust, SuperTwisting):
+        assert (torque(tune(ours, 4.0, kind), m, r) == torque(tune(plain, 4.0, kind), m, r)).all()
+    observed = DisturbanceObserver(ours, tune(ours, 4.0) + Feedforward(ours, "friction"), 20.0)
+    log = simulate(ours, observed, septic(end=[0.5, -0.4], duration=0.3))
+    assert (log.max("position_error") < 0.01).all()
 
 
 def test_an_observer_finds_little_where_the_model_is_right_and_friction_grows_with_load():

@@ -12,6 +12,8 @@ from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
 from cutpoint.door import checked_numbers
 from cutpoint.errors import InputError
+from cutpoint.mechanics.drives.presliding import steady_sliding
+from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import check_robot
 
@@ -95,9 +97,11 @@ def with_models(law: Any, model_of: Callable[[ModelLaw], Robot]) -> Any:
 
 
 def without_springs(robot: Robot) -> Robot:
-    """The same robot as laws for rigid robots see it: rigid drives, rotors as armature."""
-    rigid = {
-        name: replace(drive, compliance=None, damping=None, hysteresis=None, kinematic_error=None)
-        for name, drive in robot.drives.items()
-    }
-    return robot.with_drives(rigid)
+    """The same robot as laws for rigid robots see it: rigid drives, rotors as armature, friction in steady sliding."""
+    return robot.with_drives({name: _without_spring(drive) for name, drive in robot.drives.items()})
+
+
+def _without_spring(drive: Drive) -> Drive:
+    """Its friction slides: laws do not know bristles' strains, and those that feel the load need a spring."""
+    sliding = {side: steady_sliding(getattr(drive, side)) for side in ("link_friction", "motor_friction")}
+    return replace(drive, compliance=None, damping=None, hysteresis=None, kinematic_error=None, **sliding)
