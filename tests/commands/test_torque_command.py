@@ -86,6 +86,7 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
             ["--q", "0,0,0,0,0,0", "--output", "torques.csv"],
             "--output, --plot, --smoothing and --duration apply only to a CSV file",
         ),
+        (["--q", ""], "torque: give a CSV file TRAJECTORY, or one position as --q"),
         (["--q", "0,0,0,0,0,0", "--duration", "5"], "--smoothing and --duration apply only to a CSV file"),
         (
             ["--q", "0,0,0,0,0,0", "--smoothing", "5"],

@@ -84,7 +84,7 @@ def torque(
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST_SAMPLES))
         print_table(motion_table(loaded, fine), console)
         return say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
-    if q is None:
+    if q is None or not q.strip():
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
     if output or plot or smoothing is not None or duration is not None:
         options = "--output, --plot, --smoothing and --duration"
