@@ -89,6 +89,9 @@ def test_limits_that_a_motion_meets_are_said(tmp_path: Path, monkeypatch: pytest
     assert "note:" not in printed("torque", "arm.urdf", "--q", "0.9", "--v", "-3")
     fast = "note: swing moves at up to 177.6 deg/s, above its limit of 171.9 deg/s"
     assert fast in printed("torque", "arm.urdf", "--q", "0.9", "--v", "-3.1")
+    slightly = printed("torque", "arm.urdf", "--q", "1.0001", "--v", "3.00002")
+    assert "note: swing goes to 57.302 deg, beyond its limits, -57.296 to 57.296 deg" in slightly
+    assert "note: swing moves at up to 171.888 deg/s, above its limit of 171.887 deg/s" in slightly
     calm = printed("simulate", "arm.urdf", "--to", "0.5", "--duration", "1.0")
     wild = printed("simulate", "arm.urdf", "--to", "1.2", "--duration", "0.25")
     assert "note:" not in calm

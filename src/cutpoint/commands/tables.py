@@ -201,16 +201,19 @@ def _beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
     for name, slides, own, least, most in zip(robot.joints, are_prismatic(robot), limits, low, high, strict=True):
         if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
             factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
-            there = _position(most if most > own.upper + ROUNDING else least, slides)
-            yield f"{name} goes to {there}, beyond its limits, {_range(own.lower, own.upper, factor, unit)}"
+            place, limit = (most, own.upper) if most > own.upper + ROUNDING else (least, own.lower)
+            digits = _digits_apart(place, limit, slides)
+            allowed = _range(own.lower, own.upper, factor, unit, digits)
+            yield f"{name} goes to {_position(place, slides, digits)}, beyond its limits, {allowed}"
 
 
 def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
     """A sentence for each joint that moves faster than files allow; peaks: (n,) rad/s (m/s), not negative."""
     for name, slides, own, peak in zip(robot.joints, are_prismatic(robot), robot.limits.values(), peaks, strict=True):
         if peak > own.velocity + ROUNDING:
-            told = f"{_position(peak, slides)}/s, above its limit of {_position(own.velocity, slides)}/s"
-            yield f"{name} moves at up to {told}"
+            digits = _digits_apart(peak, own.velocity, slides)
+            most, limit = _position(peak, slides, digits), _position(own.velocity, slides, digits)
+            yield f"{name} moves at up to {most}/s, above its limit of {limit}/s"
 
 
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
@@ -267,12 +270,19 @@ def _table(title: str, *columns: str) -> Table:
     return table
 
 
-def _position(x: float, slides: bool) -> str:
-    return f"{x * 1e3:.4g} mm" if slides else f"{np.degrees(x):.4g} deg"
+def _position(x: float, slides: bool, digits: int = 4) -> str:
+    return f"{x * 1e3:.{digits}g} mm" if slides else f"{np.degrees(x):.{digits}g} deg"
 
 
-def _range(lower: float, upper: float, factor: float, unit: str) -> str:
-    return "-" if np.isinf(lower) and np.isinf(upper) else f"{lower * factor:.4g} to {upper * factor:.4g} {unit}"
+def _digits_apart(x: float, y: float, slides: bool) -> int:
+    """The fewest digits, 4 or more, that tell two different positions apart."""
+    return next((k for k in range(4, 16) if _position(x, slides, k) != _position(y, slides, k)), 16)
+
+
+def _range(lower: float, upper: float, factor: float, unit: str, digits: int = 4) -> str:
+    if np.isinf(lower) and np.isinf(upper):
+        return "-"
+    return f"{lower * factor:.{digits}g} to {upper * factor:.{digits}g} {unit}"
 
 
 def _law(law: object) -> str:
