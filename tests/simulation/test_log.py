@@ -275,8 +275,8 @@ def test_channels_of_one_kind_stand_in_rows_of_their_own():
         if (spec := axis.get_subplotspec())
     ]
     assert cells == [(row, column) for row in range(4) for column in range(2)]
-    far = Log(np.arange(2.0), {"q": 2.0 + q}, {"q": "m"}, joints)
-    assert [axis.get_title(loc="left") for axis in far.plot().axes] == ["q [m]"]
+    far = Log(np.arange(2.0), {"q": 2.0 + q, "q_error": 1e-4 + q}, {"q": "m", "q_error": "m"}, joints)
+    assert [axis.get_title(loc="left") for axis in far.plot().axes] == ["q [m]", "q_error [mm]"]
 
 
 def test_the_legend_lies_within_the_picture_and_reads_row_by_row_whatever_the_joints_are_called():

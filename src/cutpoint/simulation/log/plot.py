@@ -146,23 +146,30 @@ def _looks(labels: Sequence[str]) -> dict[str, tuple[str, str]]:
 def _axes(logs: Mapping[str, Log], names: Sequence[str]) -> dict[Axis, list[Line]]:
     """The lines of each axis, in the order of their first line; none where all is NaN."""
     axes: dict[Axis, list[Line]] = {}
-    are_short = all(_are_short(log, names or [*log.channels]) for log in logs.values())
+    short = {
+        kind: all(_are_short(log, names or [*log.channels], kind) for log in logs.values()) for kind in (True, False)
+    }
     for run, log in logs.items():
         for name in names or log.channels:
             values = log[name].reshape(log.time.size, -1)
+            is_error = _is_error(name)
             for column, (joint, unit) in enumerate(log.columns(name)):
-                shown, factor = ("mm", 1e3) if unit == "m" and are_short else _for_people(unit)
+                shown, factor = ("mm", 1e3) if unit == "m" and short[is_error] else _for_people(unit)
                 line = Line(run, name, joint, log.time, factor * values[:, column])
-                is_error = name.endswith("_error")
                 axes.setdefault((shown, (joint if names else "") or name, is_error), []).append(line)
     return {key: lines for key, lines in axes.items() if not all(np.isnan(line.values).all() for line in lines)}
 
 
-def _are_short(log: Log, names: Sequence[str]) -> bool:
-    """Whether all shown lengths are below a metre."""
+def _is_error(name: str) -> bool:
+    """Whether a channel is an error, which has an axis of its own since it is much smaller."""
+    return name.endswith("_error")
+
+
+def _are_short(log: Log, names: Sequence[str], errors: bool) -> bool:
+    """Whether all shown lengths, those of errors or the others, are below a metre."""
     for name in names:
         values = log[name].reshape(log.time.size, -1)
-        ways = values[:, [unit == "m" for _, unit in log.columns(name)]]
+        ways = values[:, [unit == "m" and _is_error(name) == errors for _, unit in log.columns(name)]]
         if (np.abs(ways) >= 1.0).any():
             return False
     return True
