@@ -8,7 +8,7 @@ import pytest
 from command_runs import OF_COMMANDS, ONE_JOINT, printed, taken_by
 from typer.testing import CliRunner
 
-from cutpoint import InputError
+from cutpoint import InputError, ModelError
 from cutpoint.commands import app
 
 
@@ -94,6 +94,10 @@ def test_a_joint_that_slides_is_locked_in_metres_also_among_degrees(
     degrees = printed("torque", "arm.urdf", "--lock", "slide=0.5", "--degrees", "--q", "0")
     assert degrees == printed("torque", "arm.urdf", "--lock", "slide=0.5", "--q", "0")
     assert degrees != printed("torque", "arm.urdf", "--lock", "slide=0.4", "--q", "0")
+    with pytest.raises(
+        ModelError, match=r"lock of joint 'slide': value 500.0 m is far outside its .*; 500 mm are 0.5 m"
+    ):
+        CliRunner().invoke(app, ["torque", "arm.urdf", "--lock", "slide=500", "--q", "0"], catch_exceptions=False)
 
 
 @pytest.mark.parametrize("lock", ["joint2", "joint2=", "=0.1", "joint2=0.1rad"])

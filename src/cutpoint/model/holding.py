@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cutpoint.errors import those_that_exist
+from cutpoint.model.limits import looks_like_millimetres
 from cutpoint.model.mechanism import Joint, Mimic
 from cutpoint.model.places import Places
 from cutpoint.model.pose import pose, rotation_about
@@ -121,6 +122,9 @@ class _Holder:
         if joint.kind == "revolute" and outside and abs(value) > DEGREES_BEYOND:
             radians = f"{value:g} degrees are {np.deg2rad(value):.6g} rad"
             raise self.places.error(thing, f"value {value!r} rad is far outside its limits; {radians}")
+        if joint.kind == "prismatic" and looks_like_millimetres(value, joint.limits):
+            metres = f"{value:g} mm are {value / 1e3:.6g} m"
+            raise self.places.error(thing, f"value {value!r} m is far outside its limits; {metres}")
         if self.coupled and joint.mimic is not None:
             complaint = f"the joint follows joint {joint.mimic.joint!r}; lock that one, or load with independent mimics"
             raise self.places.error(thing, complaint)

@@ -37,11 +37,17 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
         exceeded, likeness, unit = abs(high if x > high else low), "", "rad"
         if joint.kind == "revolute" and abs(x) > max(2 * np.pi, DEGREES_BEYOND_LIMIT * exceeded):
             likeness = "degrees: give radians (numpy.radians, or --degrees on the command line)"
-        if joint.kind == "prismatic" and abs(x) > max(1.0, MILLIMETRES_BEYOND_LIMIT * max(abs(low), abs(high))):
-            likeness, unit = "mm: give metres" if low < high else "", "m"
+        if joint.kind == "prismatic" and looks_like_millimetres(x, joint.limits):
+            likeness, unit = "mm: give metres", "m"
         if likeness and not low <= x <= high:
             found = f"position {x:g} {unit} exceeds its limits [{low:g}, {high:g}]"
             raise InputError(f"joint {name!r}: {found}; this looks like {likeness}", joint=name, position=x)
+
+
+def looks_like_millimetres(x: float, limits: Limits) -> bool:
+    """Whether a position of a joint that slides is far beyond its limits, m."""
+    low, high = limits.lower, limits.upper
+    return low < high and abs(x) > max(1.0, MILLIMETRES_BEYOND_LIMIT * max(abs(low), abs(high)))
 
 
 def look_like_degrees(limits: Limits) -> bool:
