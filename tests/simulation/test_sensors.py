@@ -121,7 +121,7 @@ def test_differenced_speeds_are_what_positions_as_measured_tell(periods):
     ("sensors", "message"),
     [
         ({"delay": 1.5e-3}, "delay 0.0015 s must be a whole number of control periods of 0.001 s"),
-        ({"delay": -1e-3}, "delay -0.001 s must be a whole number"),
+        ({"delay": -1e-3}, "delay -0.001 s must be a whole number of control periods of 0.001 s, 0 or more"),
         ({"delay": np.nan}, "delay nan s must be a whole number"),
         (
             {"delay": 42.0},

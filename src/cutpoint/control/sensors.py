@@ -97,7 +97,7 @@ def encoders_of(sensors: Sensors, size: int, period: float) -> Encoders:
     """The sensors, checked.  Raises InputError for sizes, signs, or a delay that is no whole number of periods."""
     steps = number("sensors", "delay", sensors.delay, "s") / period
     if not (np.isfinite(steps) and steps >= 0 and abs(steps - round(steps)) < 1e-6):
-        rule = f"must be a whole number of control periods of {period} s"
+        rule = f"must be a whole number of control periods of {period} s, 0 or more"
         raise InputError(f"sensors: delay {sensors.delay} s {rule}", delay=sensors.delay)
     check_choice("sensors", "speeds", sensors.speeds, ("true", "differenced"))
     check_choice("sensors", "sides", sensors.sides, ("both", "motor", "link"))
