@@ -17,6 +17,7 @@ from cutpoint.door import LARGEST, checked_array
 from cutpoint.errors import InputError
 from cutpoint.kernels.arrays import backends
 from cutpoint.kernels.arrays.arguments import common_batch
+from cutpoint.kernels.programs.outputs import Fixed
 from cutpoint.mechanics.system import System
 from cutpoint.rolled.algorithms.derivatives import OF_MOTORS
 from cutpoint.rolled.bodies import bodies_of, columns_of, rooted
@@ -153,11 +154,19 @@ class RolledFunction:
         """
         from cutpoint.kernels.targets.c99_program import source_of
 
+        return source_of(self.fixed(*outputs), self.name)
+
+    def fixed(self, *outputs: str) -> Fixed:
+        """The loops and all memory that a run begins with, the drives' numbers included.  outputs: as for `to_c`.
+
+        Raises:
+            InputError: some joints have no drive.
+        """
         if not self._are_all_driven:
             told = "loops are exported as C for robots with a drive in every joint, or in none; lock those without"
             raise InputError(f"{self.name}: {told}")
         known = getattr(self._record, "_fields", self._task.recipe.outputs)
-        return source_of(self._one.memory().fixed(outputs or known), self.name)
+        return self._one.memory().fixed(outputs or known)
 
     def _shortcut(self) -> Callable[..., Any]:
         """For single calls, with less between, where inputs and outputs lie in memory as they are given."""
