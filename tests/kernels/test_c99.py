@@ -181,6 +181,25 @@ def test_a_folder_holds_one_function(folder: Path) -> None:
     assert "project(other " in (folder / "CMakeLists.txt").read_text()
 
 
+def test_a_package_is_replaced_whatever_text_somebody_has_added(folder: Path) -> None:
+    kernel, path = compile(lambda q: q * 2, name="law", q=()), folder / "CMakeLists.txt"
+    kernel.to_c(folder)
+    before = path.read_bytes()
+    path.write_bytes(before + "# Müller\n".encode("latin-1"))
+    kernel.to_c(folder)
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_folder_that_no_files_can_be_written_to_is_refused(force: bool, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    kernel = compile(lambda q: q * 2, name="law", q=())
+    for folder, told in ("file", "is not a folder"), ("file/law", "is not a folder"), ("x" * 300, "cannot be written"):
+        for export in (kernel.to_c, kernel.to_cuda):
+            with pytest.raises(InputError, match=rf"^folder '.*' {told}"):
+                export(tmp_path / folder, force=force)
+
+
 MACROS = ("NULL", "NAN", "INFINITY", "HUGE_VAL", "M_PI", "EOF", "I", "complex", "errno", "EINVAL", "INT_MAX", "PRIu64")
 NAMES = [
     ("int", "x"),

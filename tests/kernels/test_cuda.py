@@ -195,7 +195,7 @@ def test_only_our_own_files_are_overwritten_unless_forced(tmp_path: Path) -> Non
         compile(lambda q: q * 3, name="law", q=()).to_cuda(tmp_path)
     assert "0x1.0000000000000p+1" in (tmp_path / "law.cu").read_text()
     assert kernel.to_cuda(tmp_path, force=True) == (tmp_path / "law.cu", tmp_path / "law.cuh")
-    with pytest.raises(InputError, match=r"law.cu' cannot be created"):
+    with pytest.raises(InputError, match=r"^folder '.*law.cu' is not a folder"):
         kernel.to_cuda(tmp_path / "law.cu")
 
 

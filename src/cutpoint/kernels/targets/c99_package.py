@@ -63,10 +63,10 @@ def write_source(
 def _check_alone(folder: Path, name: str) -> None:
     """Raises InputError for the folder of another function: its CMakeLists.txt would build that one no longer."""
     path = folder / "CMakeLists.txt"
-    found = re.search(r"^project\((\w+)", path.read_text(), re.MULTILINE) if is_ours(path) else None
-    if found and found[1] != name:
+    found = re.search(rb"^project\((\w+)", path.read_bytes(), re.MULTILINE) if is_ours(path) else None
+    if found and (other := found[1].decode()) != name:
         remedy = "choose another folder, or use force=True (--force on the command line) to replace it"
-        raise InputError(f"{str(path)!r} builds {found[1]!r}, but a package holds one function; {remedy}", path=path)
+        raise InputError(f"{str(path)!r} builds {other!r}, but a package holds one function; {remedy}", path=path)
 
 
 def _recorded(source: Source, computed: Callable[..., Any], notes: Notes) -> tuple[np.ndarray, np.ndarray]:
