@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_runs import printed, saved
+from command_runs import ONE_JOINT, printed, saved
 from typer.testing import CliRunner
 
 import cutpoint
@@ -123,3 +123,16 @@ def test_a_payload_without_a_mass_is_refused(mass: str) -> None:
     refused = CliRunner().invoke(app, ["torque", "xia2019", "--q", "0,0,0,0,0,0", "--carry", mass, "0", "0", "0"])
     assert isinstance(refused.exception, ModelError)
     assert re.match("link 'payload': mass.* must", str(refused.exception))
+
+
+def test_torques_above_limits_are_noted_at_a_place_and_along_a_motion(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"))
+    Path("move.csv").write_text("t,swing\n" + "".join(f"{0.01 * k},0\n" for k in range(101)))
+    # (20 + 1) kg at 0.1 m
+    told = "note: swing needs 20.6 N m of its motor, above its limit of 10"
+    for which in (["--q", "0"], ["move.csv"]):
+        assert told in printed("torque", "arm.urdf", *which, "--carry", "20", "0.1", "0", "0")
+        assert "above its limit" not in printed("torque", "arm.urdf", *which)

@@ -216,6 +216,18 @@ def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
             yield f"{name} moves at up to {most}/s, above its limit of {limit}/s"
 
 
+def beyond_efforts(robot: Robot, motors: Array, joints: Array) -> Iterator[str]:
+    """A sentence for each limit of torque that a motion exceeds.
+
+    motors, joints: (n,) largest torques of motors, and on what their gears carry, N m (N) at the joint's side.
+    """
+    units, most = at_joints(robot, "N m"), efforts_of(robot)
+    for name, peak in zip(robot.joints, motors.tolist(), strict=True):
+        if peak > most[name] * (1.0 + ROUNDING):
+            yield f"{name} needs {peak:.4g} {units[name]} of its motor, above its limit of {most[name]:.4g}"
+    yield from _beyond_ratings(robot, joints)
+
+
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for a guard's fault, and for each limit that a run met."""
     yield from _fault_of(log)

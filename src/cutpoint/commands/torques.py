@@ -23,7 +23,7 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.sheets import save_sheet, torque_sheet
-from cutpoint.commands.tables import beyond_limits, motion_table, torque_table
+from cutpoint.commands.tables import beyond_efforts, beyond_limits, motion_table, torque_table
 from cutpoint.errors import InputError
 from cutpoint.joint_units import at_joints
 from cutpoint.model.limits import check_configuration
@@ -83,7 +83,8 @@ def torque(
             keep(torques_along(loaded, motion, period), output, plot)
         fine = torques_along(loaded, motion, min(period, motion.duration / FEWEST_SAMPLES))
         print_table(motion_table(loaded, fine), console)
-        return say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
+        say_notes(beyond_limits(loaded, fine["q"].min(axis=0), fine["q"].max(axis=0), fine.max("v")))
+        return say_notes(beyond_efforts(loaded, fine.max("motor_torque"), fine.max("joint_torque")))
     if q is None or not q.strip():
         raise InputError("torque: give a CSV file TRAJECTORY, or one position as --q")
     if output or plot or smoothing is not None or duration is not None:
@@ -98,6 +99,7 @@ def torque(
         save_sheet(torque_sheet(loaded, position, speed, acceleration, torques), json)
     print_table(torque_table(loaded, position, speed, acceleration, torques), console)
     say_notes(beyond_limits(loaded, position, position, np.abs(speed)))
+    say_notes(beyond_efforts(loaded, np.abs(torques.motor_torque), np.abs(torques.joint_torque)))
 
 
 def torques_along(
