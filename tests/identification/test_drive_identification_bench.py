@@ -55,6 +55,15 @@ def test_the_law_that_the_spring_follows_is_chosen_and_its_curve_found(law: str)
     assert found.unidentifiable["kinematic_error"].startswith("no wave stands out from the noise: at order 2, one of")
 
 
+def test_a_law_that_predicts_every_part_better_is_chosen_however_unequal_the_parts_are():
+    spring, far = SPRINGS["flexspline"], T // 0.8 == 3
+    torque = np.where(far, 32.0, 8.0) * np.sin(TURN * 1.3 * T)
+    theta = spring.deflection(torque) + 1e-6 * np.random.default_rng(0).normal(size=T.size)
+    found = two_encoders(theta, 0.0 * T, torque, PERIOD, RATIO, orders=[], hysteresis=False, damping=False)
+    assert found.prediction["flexspline"] < 0.1 * found.prediction["linear"]
+    assert found.law == "flexspline"
+
+
 def wound_slowly(noise: float, seed: int, stated: Compliance | None = None) -> SpringEstimate:
     """A catalogue's spring found from 28 N m, little beyond its last corner at 25, and encoders' noise, rad.
 

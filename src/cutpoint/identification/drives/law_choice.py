@@ -1,6 +1,7 @@
 """Cross-validation of several fits of a deflection."""
 
 from collections.abc import Hashable, Mapping
+from itertools import product
 from typing import TypeVar
 
 import numpy as np
@@ -13,8 +14,11 @@ Name = TypeVar("Name", bound=Hashable)
 BLOCKS = 10
 """Contiguous blocks for cross-validation."""
 
-SURE = 1.5
-"""Standard errors by which a law with more constants must improve the prediction."""
+SIGNS = np.array(list(product((-1.0, 1.0), repeat=BLOCKS)))
+"""All choices of signs of the blocks' gains, the given ones last."""
+
+CHANCE = 0.08
+"""Share of them that may gain as much as a law with more constants: that of 1.5 standard errors, if gains are alike."""
 
 LEAST_IMPROVEMENT = 0.02
 """Share of the squared error that it must gain: samples of a repeated motion are not independent."""
@@ -43,9 +47,18 @@ def simplest(errors: Mapping[Name, Array]) -> Name:
     best, *others = errors
     for name in others:
         gain = errors[best] - errors[name]
-        if gain.mean() > max(SURE * gain.std(ddof=1) / np.sqrt(BLOCKS), LEAST_IMPROVEMENT * errors[best].mean()):
+        if gain.mean() > LEAST_IMPROVEMENT * errors[best].mean() and _by_chance(gain) < CHANCE:
             best = name
     return best
+
+
+def _by_chance(gain: Array) -> float:
+    """Share of all choices of signs with which the gains (BLOCKS,) add up to as much.  Fisher (1935), section 21.
+
+    Their standard error would hide a gain in every block behind a far larger one in a single block.
+    """
+    sums = SIGNS @ gain
+    return float(np.mean(sums >= sums[-1]))
 
 
 def not_worse(errors: Mapping[Name, Array], best: Name) -> list[Name]:

@@ -66,8 +66,8 @@ def two_encoders(
     period: s.  ratio: motor turns per joint turn.  resolution: of both encoders together, rad at the joint's side; by
     default the smallest steps in the samples.  orders: of the kinematic error, waves per turn of the motor; by default
     those up to 8 that are significant.  laws: spring laws to choose from by cross-validation; one with more constants
-    must predict held-out samples better by 1.5 standard errors of the difference, and by 2 % of the squares, and each
-    of its stiffnesses must exceed 4 of its standard deviations.
+    must predict ten held-out blocks better, by 2 % of the squares and by more than 92 % of all signs of the blocks'
+    gains would make of them; and each of its stiffnesses must exceed 4 of its standard deviations.
     Elements of hysteresis are unstrained at the first sample.
     reading: how the torque was obtained, and its unknown corrections.
     stated: the spring of a file.  If it has another law than the best, or a catalogue's, but predicts as well and is as
