@@ -109,6 +109,19 @@ def test_a_recording_survives_a_csv_with_names_of_joints(tmp_path: Path):
     assert np.array_equal(found["torque"], made["torque"])
 
 
+def test_titles_in_a_parquet_file_state_units_as_those_of_a_csv_file_do(tmp_path: Path):
+    columns = {"t [ms]": 1e3 * T, "q1 [deg]": np.degrees(Q[:, 0]), "q2 (mrad)": 1e3 * Q[:, 1]}
+    pyarrow.parquet.write_table(pyarrow.table(columns), tmp_path / "log.parquet")
+    table = np.column_stack([*columns.values()])
+    np.savetxt(tmp_path / "log.csv", table, "%.17g", ",", header=",".join(columns), comments="")
+    found, expected = (read_recording(tmp_path / f"log.{ending}") for ending in ("parquet", "csv"))
+    assert np.array_equal(found.time, expected.time) and np.array_equal(found["q"], expected["q"])
+    assert np.allclose(expected["q"], Q[:, :2], rtol=1e-12)
+    pyarrow.parquet.write_table(pyarrow.table({"t": T, "q [rad]": T, "q [deg]": T}), tmp_path / "twice.parquet")
+    with pytest.raises(InputError, match=r"column 'q' occurs twice"):
+        read_table(tmp_path / "twice.parquet")
+
+
 def test_an_unknown_ending_is_refused_and_the_known_are_listed(tmp_path: Path):
     (tmp_path / "log.xls").write_text("")
     with pytest.raises(InputError, match=r"ending '.xls' of 'log.xls' must be one of .csv, .db3, .mat, .mcap, .npz"):

@@ -33,9 +33,9 @@ def default_mapping(table: Table, joints: Sequence[str]) -> MappingSheet:
     likeliest = {quantity: _likeliest(names, groups) for quantity, names in NAMES.items()}
     first = likeliest["q"] or likeliest["theta"]
     if not first:
-        there = listed(table.channels)
-        rule = f"no channel has a name that means position; give a mapping.  There are: {there}{table.besides}"
-        raise InputError(rule, place=table.file)
+        there = f"There are: {listed(table.channels)}{table.besides}"
+        there += f"; the robot's joints are {listed(joints)}" if joints else ""
+        raise InputError(f"no channel has a name that means position; give a mapping.  {there}", place=table.file)
     positions = groups[first].channels
     labels = _in_order(positions, joints)
     found = {

@@ -1,12 +1,15 @@
 """Logs as Parquet files: a column per channel; lists of fixed length are a column per joint."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cutpoint.arrays import Array
+from cutpoint.errors import InputError
 from cutpoint.identification.logs.table import Channel, Table, channel, check_size, optional, read_as
+from cutpoint.model.stated_units import name_and_unit
 
 
 def read_parquet(path: Path) -> Table:
@@ -26,7 +29,18 @@ def read_parquet(path: Path) -> Table:
     columns = zip(table.column_names, table.columns, strict=True)
     channels = {name: found for name, column in columns if (found := _channel(pyarrow, column))}
     left_out = {name: f"{kind}, not numbers" for name, kind in kinds.items() if name not in channels}
-    return Table(str(path), channels, left_out)
+    return Table(str(path), _named(channels, str(path)), left_out)
+
+
+def _named(channels: dict[str, Channel], place: str) -> dict[str, Channel]:
+    """With the units that titles such as `q1 [deg]` state.  Raises InputError where this leaves a name twice."""
+    found: dict[str, Channel] = {}
+    for title, each in channels.items():
+        name, unit = name_and_unit(title)
+        if name in found:
+            raise InputError(f"column {name!r} occurs twice: each name must be unique", place=place)
+        found[name] = replace(each, unit=unit or each.unit)
+    return found
 
 
 def _pyarrow() -> Any:
