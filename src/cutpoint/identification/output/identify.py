@@ -20,6 +20,7 @@ from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
+from cutpoint.identification.logs.repeats import without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
 from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
 from cutpoint.identification.logs.table import placed
@@ -140,7 +141,7 @@ def _read(
     drives: str | Path | None,
     xacro: Mapping[str, str] | None,
 ) -> tuple[Robot, Recording, Array | None]:
-    """The robot as its files state it, and the recording at uniform times, without spikes and short gaps.
+    """The robot as its files state it, and the recording at uniform times, without spikes, repeats and short gaps.
 
     Last, the resolution of the encoders on both sides, see `encoder_steps`, in the order of the robot's joints.
     """
@@ -151,7 +152,7 @@ def _read(
         recording = with_other_sides(recording)
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
     resolution = encoder_steps(recording.in_order(before.joints)) if are_both else None
-    clean = without_spikes(recording)
+    clean = without_spikes(without_repeats(recording))
     return before, bridged(clean, _at_uniform_times(clean)), resolution
 
 

@@ -1,0 +1,42 @@
+"""Frames that a logger repeated while time went on, as if the robot had stood still."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cutpoint.errors import counted
+from cutpoint.identification.logs.recording import Recording
+
+MOST_IN_A_ROW = 5
+"""Samples, as many as are bridged: longer repetitions are a robot at rest."""
+
+SELDOM = 0.2
+"""Share of the samples: what is more frequent is a log faster than what it records."""
+
+
+def without_repeats(recording: Recording) -> Recording:
+    """Samples that repeat the one before in every channel, few in a row, are unknown; a note says how many."""
+    repeats = _short_runs(_same_as_before(recording))
+    count = int(repeats.sum())
+    if not count:
+        return recording
+    found = f"{counted(count, 'sample')} of {repeats.size} repeat the one before in every channel"
+    if count > SELDOM * repeats.size:
+        return recording.with_notes([f"{found}: was it logged faster than measured?  Keep only rows that are new"])
+    channels = {name: np.where(repeats[:, None], np.nan, x) for name, x in recording.channels.items()}
+    return replace(recording, **channels).with_notes([f"{found}, and are not used"])
+
+
+def _same_as_before(recording: Recording) -> NDArray[np.bool_]:
+    table = np.column_stack([*recording.channels.values()])
+    return np.append(False, (table[1:] == table[:-1]).all(axis=1))
+
+
+def _short_runs(same: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Those of (N,) in runs of at most MOST_IN_A_ROW."""
+    ends = np.flatnonzero(np.diff(same.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+    kept = np.zeros(same.size, bool)
+    for start, end in ends[np.diff(ends, axis=1)[:, 0] <= MOST_IN_A_ROW]:
+        kept[start:end] = True
+    return kept
