@@ -28,6 +28,7 @@ def test_a_model_that_carries_over_is_not_spoken_of():
     assert said() == []
     assert said(plain=0.05) == []
     assert said(before=0.0999) == []
+    assert said(after=np.where(np.abs(TIME - 12.5) < 0.3, 0.5, 0.05), plain=1.0) == []  # 1 % of the torque
     assert said(after=STUCK / 20.0, plain=STUCK / 20.0, speed=np.where(RESTS, 0.0, 1.0)) == []  # 0.7 % of the torque
 
 
@@ -67,6 +68,10 @@ def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
                 "speed": np.where(RESTS, 0.0, 1.0),
             },
             r"most of the squared torque error .* occurs at rest, .*: elbow 9\d% in \d+% of the time",
+        ),
+        (
+            {"after": np.where(np.abs(TIME - 12.5) < 0.3, 5.0, 0.1)},
+            r"half of .* occurs in a short time, as by a contact, .*: elbow within 0\.[23]\d* s from 12\.[2-6]\d* s on",
         ),
     ],
 )

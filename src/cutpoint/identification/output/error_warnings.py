@@ -31,6 +31,9 @@ UNLIKE = 30.0
 DRIFTS = 1.0
 """Times the error on the fitted part: a larger change of friction causes most of it."""
 
+BRIEF = 0.05
+"""Share of the fitted part: half of the squared error within less is due to an event."""
+
 TINY = float(np.finfo(float).tiny)
 
 UNEVEN = 1.1
@@ -46,7 +49,7 @@ MOST_OF_ERROR = 0.5
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques carry no information, or are explained much worse than the fitted ones, or than
     by plain least squares.  units: of their torques, by joint."""
-    notes = [*_of_all(errors), *_of_rest(errors, [*units])]
+    notes = [*_of_all(errors), *_of_rest(errors, [*units]), *_of_events(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
         notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
     return notes
@@ -73,6 +76,20 @@ def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     which = ", ".join(f"{joints[j]} {squares[j]:.0%} in {times[j]:.0%} of the time" for j in found)
     what = "most of the squared torque error on the part held out occurs at rest"
     return [f"{what}, where friction is whatever holds the joint and no law predicts it: {which}"]
+
+
+def _of_events(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
+    """Joints most of whose error on the fitted part occurs in a brief time, and not on the part held out."""
+    start, length = errors.burst()
+    fitted, held = errors.rms("after"), errors.rms("after", held_out=True)
+    whole = float(np.ptp(errors.time[~errors.held_out]))
+    is_event = (length < BRIEF * whole) & (fitted > LEAST_ERROR_SHARE * errors.size()) & (fitted > WORSE * held)
+    found = np.flatnonzero(is_event).tolist()
+    if not found:
+        return []
+    which = ", ".join(f"{joints[j]} within {length[j]:.2g} s from {start[j]:.4g} s on" for j in found)
+    cause = "a contact, or a clock that jumped: leave that time out, or end the log before it"
+    return [f"half of the squared torque error on the fitted part occurs in a short time, as by {cause}: {which}"]
 
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:

@@ -92,6 +92,15 @@ class TorqueErrors:
         off = (self.measured - self.after)[self.held_out]
         return _share(off, np.where(np.isfinite(off), 1.0, np.nan))
 
+    def burst(self) -> tuple[Array, Array]:
+        """(n,) s, by joint: start and length of the shortest time that holds half of the squared error of "after", on
+        the fitted part; NaN where there is none."""
+        fitted = ~self.held_out
+        time, squares = self.time[fitted], np.square(self.measured - self.after)[fitted]
+        found = [_half_within(time, each) for each in np.nan_to_num(squares).T]
+        start, length = np.array(found).reshape(-1, 2).T
+        return start, length
+
     def _rms(self, values: Array, held_out: bool) -> Array:
         squares = np.square(values[self.held_out == held_out])
         known = np.isfinite(squares).sum(axis=0)
@@ -128,6 +137,18 @@ def _share(part: Array, whole: Array) -> Array:
     """Ratio of sums over rows, without unknown values; 0 if there are none."""
     total = np.nansum(whole, axis=0)
     return np.nansum(part, axis=0) / np.where(total > 0.0, total, 1.0)
+
+
+def _half_within(time: Array, squares: Array) -> tuple[float, float]:
+    """Start and length of the shortest time that holds half of what is at the times (N,)."""
+    total = np.concatenate([[0.0], np.cumsum(squares)])
+    ends = np.searchsorted(total, total[:-1] + 0.5 * total[-1])
+    first = np.flatnonzero(ends < total.size)
+    if not total[-1] > 0.0:
+        return np.nan, np.nan
+    lengths = time[ends[first] - 1] - time[first]
+    k = int(np.argmin(lengths))
+    return float(time[first[k]]), float(lengths[k])
 
 
 def _thinned(values: Array, width: int) -> Array:
