@@ -60,14 +60,12 @@ class TorqueErrors:
         return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
 
     def likeness(self) -> Array:
-        """(n,) correlation of measured torques with those of the robot's files, on the fitted part: 1 same sign, -1
-        opposite, 0 if either is constant."""
-        both = [np.where(self.held_out[:, None], np.nan, x) for x in (self.measured, self.before)]
-        known = np.isfinite(both[0]) & np.isfinite(both[1])
-        counts = np.maximum(known.sum(axis=0), 1)
-        x, y = (np.where(known, each - np.where(known, each, 0.0).sum(axis=0) / counts, 0.0) for each in both)
-        sizes = np.sqrt((x * x).sum(axis=0) * (y * y).sum(axis=0))
-        return (x * y).sum(axis=0) / np.where(sizes > 0.0, sizes, 1.0)
+        """(n, n) correlation of each joint's measured torques (rows) with those of each by the robot's files, on the
+        fitted part: 1 same sign, -1 opposite, 0 if either is constant."""
+        known = ~self.held_out & np.isfinite(self.measured + self.before).all(axis=1)
+        x, y = (each[known] - each[known].sum(axis=0) / max(known.sum(), 1) for each in (self.measured, self.before))
+        sizes = np.outer(np.linalg.norm(x, axis=0), np.linalg.norm(y, axis=0))
+        return x.T @ y / np.where(sizes > 0.0, sizes, 1.0)
 
     def speed(self, held_out: bool = False) -> Array:
         """(n,) rad/s: RMS."""
