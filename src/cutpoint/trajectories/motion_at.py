@@ -21,8 +21,8 @@ RATES = (
 MOVES = 0.1
 """Share of the largest rate: where it is smaller, it is not judged."""
 
-AGREES = 0.1
-"""Tolerance of a factor that should be 1: sampling has a smaller effect."""
+AGREES = 0.2
+"""Tolerance of a factor that should be 1: sampling has a smaller effect on waves of more than five samples."""
 
 
 def motion_at(function: str, trajectory: Moves, times: Array, joints: Sequence[str]) -> Array:

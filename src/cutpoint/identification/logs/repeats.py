@@ -11,21 +11,25 @@ from cutpoint.identification.logs.recording import Recording
 MOST_IN_A_ROW = 5
 """Samples, as many as are bridged: longer repetitions are a robot at rest."""
 
-SELDOM = 0.2
-"""Share of the samples: what is more frequent is a log faster than what it records."""
+MOST_ARE = 0.5
+"""Share of the new samples that are repeated: more of them, and a log is faster than what it records."""
 
 
 def without_repeats(recording: Recording) -> Recording:
     """Samples that repeat the one before in every channel, few in a row, are unknown; a note says how many."""
-    repeats = _short_runs(_same_as_before(recording))
-    count = int(repeats.sum())
-    if not count:
+    same = _same_as_before(recording)
+    if (~same[:-1] & same[1:]).sum() > MOST_ARE * (~same).sum():
+        rule = "was it logged faster than measured?  Keep only rows that are new"
+        return recording.with_notes([f"{_told(same)}: {rule}"])
+    repeats = _short_runs(same)
+    if not repeats.any():
         return recording
-    found = f"{counted(count, 'sample')} of {repeats.size} repeat the one before in every channel"
-    if count > SELDOM * repeats.size:
-        return recording.with_notes([f"{found}: was it logged faster than measured?  Keep only rows that are new"])
     channels = {name: np.where(repeats[:, None], np.nan, x) for name, x in recording.channels.items()}
-    return replace(recording, **channels).with_notes([f"{found}, and are not used"])
+    return replace(recording, **channels).with_notes([f"{_told(repeats)}, and are not used"])
+
+
+def _told(repeats: NDArray[np.bool_]) -> str:
+    return f"{counted(int(repeats.sum()), 'sample')} of {repeats.size} repeat the one before in every channel"
 
 
 def _same_as_before(recording: Recording) -> NDArray[np.bool_]:
