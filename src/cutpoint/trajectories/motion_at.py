@@ -1,6 +1,7 @@
 """A motion at sample times, checked: it may be of a user's own trajectory."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -10,13 +11,8 @@ from cutpoint.door import checked_array
 from cutpoint.errors import InputError, listed
 from cutpoint.trajectories.trajectory import Moves, Trajectory
 
-RATES = (
-    ("velocity", "position"),
-    ("acceleration", "velocity"),
-    ("jerk", "acceleration"),
-    ("snap", "jerk"),
-)
-"""Derivatives, each with what it is the rate of."""
+NAMES = ("position", "velocity", "acceleration", "jerk", "snap")
+"""Of a motion's parts, each the rate of the one before."""
 
 MOVES = 0.1
 """Share of the largest rate: where it is smaller, it is not judged."""
@@ -43,7 +39,7 @@ def motion_at(function: str, trajectory: Moves, times: Array, joints: Sequence[s
 
 def _contradictions(motion: Array, times: Array, joints: Sequence[str]) -> Iterator[str]:
     """What is a multiple of the rate that it is said to be; steps between samples do not count."""
-    for (rate, of), x, v in zip(RATES, motion, motion[1:], strict=False):
+    for (of, rate), (x, v) in zip(pairwise(NAMES), pairwise(motion), strict=True):
         moved, said = np.diff(x, axis=0), 0.5 * (v[1:] + v[:-1]) * np.diff(times)[:, None]
         found = {name: _multiple(*both) for name, *both in zip(joints, said.T, moved.T, strict=True)}
         wrong = {name: f"{factor:.3g}" for name, factor in found.items() if abs(factor - 1.0) > AGREES}
