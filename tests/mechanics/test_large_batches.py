@@ -13,6 +13,7 @@ from cutpoint.model import Drive, Joint, Link
 from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
+from cutpoint.rolled.recipes import OF_FRAMES
 from random_trees import placement
 
 LIMBS, LENGTH = 4, 5
@@ -57,7 +58,7 @@ def test_each_of_a_batch_is_what_it_is_alone(robot: str, key: Any) -> None:
     count = 2 * LANES + 3
     given = given_to(ROBOTS[robot], key, count)
     name = key[0] if isinstance(key, tuple) else key
-    frame = "limb2.3" if name in ("frame_pose", "jacobian") else None
+    frame = "limb2.3" if name in OF_FRAMES else None
     record = namedtuple("Found", RECIPES[key].outputs) if len(RECIPES[key].outputs) > 1 else None
     function = RolledFunction(key, ROBOTS[robot].machine, "llvm", record, frame)
     alone = [function(*one) for one in zip(*given, strict=True)]

@@ -21,6 +21,7 @@ FLOATING, BRANCHING = Robot(based("floating", 140, branching=False)), Robot(base
 TURNING = Robot(chain(70, ("revolute", "prismatic")))
 DRIVEN, HELICAL = TURNING.with_drives(mixed_drives(TURNING)), CHAIN.with_drives(mixed_drives(CHAIN))
 
+WORLD = {"expressed_in": "world"}
 EVERYWHERE = (
     "inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "gravity_forces", "regressor",
     "kinetic_energy", "potential_energy", "momentum", "inverse_dynamics_derivatives", "coriolis_matrix",
@@ -38,7 +39,7 @@ CASES: dict[str, tuple[Robot, str, dict[str, Any]]] = {
     **{
         f"{name} of {which}": (robot, name, {"frame": "link139", **options})
         for which, robot in {"a chain": CHAIN, "a floating chain": FLOATING}.items()
-        for name, options in {"frame_pose": {}, "jacobian": {"expressed_in": "world"}}.items()
+        for name, options in {"frame_pose": {}, **dict.fromkeys(("jacobian", "frame_acceleration"), WORLD)}.items()
     },
 }
 

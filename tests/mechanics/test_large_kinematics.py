@@ -23,7 +23,7 @@ from random_trees import random_tree
 
 WAYS = get_args(ExpressedIn)
 TOTALS = ("kinetic_energy", "potential_energy", "momentum")
-FRAMES: list[Any] = [("frame_pose",), *(("jacobian", way) for way in WAYS)]
+FRAMES: list[Any] = [("frame_pose",), *((name, way) for name in ("jacobian", "frame_acceleration") for way in WAYS)]
 TREES = {
     "tree": random_tree(1, 14),
     "one body": chain(1),
@@ -35,8 +35,8 @@ TREES = {
 @pytest.mark.parametrize(("tree", "backend"), [("floating", "llvm"), ("tree", "llvm"), *((x, "numpy") for x in TREES)])
 def test_loops_find_frames_where_straight_line_code_does(tree: str, backend: str) -> None:
     robot = Robot(TREES[tree], backend="numpy")  # it never loops
-    q = robot.random(1, 9)
-    q[1] = robot.neutral()
+    q, motion = robot.random(1, 9), np.random.default_rng(1).uniform(-1.0, 1.0, (2, 9, robot.nv))
+    q[1], motion[:, 1:3] = robot.neutral(), [[[0.0], [0.0]], [[0.0], [1.0]]]
     for k, frame in enumerate(robot.frames):
         pose = RolledFunction(("frame_pose",), robot.machine, backend, frame=frame)
         assert_close(pose(q), robot.frame_pose(q, frame))
@@ -45,6 +45,11 @@ def test_loops_find_frames_where_straight_line_code_does(tree: str, backend: str
         J = RolledFunction(("jacobian", way), robot.machine, backend, frame=frame)
         np.testing.assert_allclose(J(q), robot.jacobian(q, frame, way), rtol=0, atol=1e-13)
         np.testing.assert_array_equal(J(q[8]), J(q)[8])
+        acceleration = RolledFunction(("frame_acceleration", way), robot.machine, backend, frame=frame)
+        np.testing.assert_allclose(
+            acceleration(q, *motion), robot.frame_acceleration(q, *motion, frame, way), rtol=0, atol=1e-12
+        )
+        np.testing.assert_array_equal(acceleration(q[8], *motion[:, 8]), acceleration(q, *motion)[8])
 
 
 @pytest.mark.parametrize(("tree", "backend"), [("floating", "llvm"), *((x, "numpy") for x in TREES)])
@@ -105,6 +110,9 @@ def test_a_velocity_is_the_jacobian_s_with_ten_thousand_joints() -> None:
     velocity, R_dot = (ahead - behind)[:3, 3] / (2 * h), (ahead - behind)[:3, :3] / (2 * h)
     turning = R_dot @ robot.frame_pose(q, frame)[:3, :3].T
     np.testing.assert_allclose((J @ v)[:3], velocity, rtol=0, atol=1e-6)
+    later, before = (robot.jacobian(q + s * h * v, frame, "local_world_aligned") @ v for s in (1, -1))
+    found = robot.frame_acceleration(q, v, -v, frame, "local_world_aligned")
+    np.testing.assert_allclose(found, (later - before) / (2 * h) - J @ v, rtol=0, atol=1e-5)
     np.testing.assert_allclose((J @ v)[3:], [turning[2, 1], turning[0, 2], turning[1, 0]], rtol=0, atol=1e-6)
     # the rate of all energy is the power of the torques
     tau, zero = robot.inverse_dynamics(q, v, v), np.zeros(robot.nv)

@@ -115,6 +115,12 @@ RECIPES: Mapping[Any, Recipe] = {
         for way in get_args(ExpressedIn)
     },
     **{
+        ("frame_acceleration", way): Recipe(
+            partial(kinematics.frame_acceleration, expressed_in=way), RATES[:3], ("frame_acceleration",), 48
+        )
+        for way in get_args(ExpressedIn)
+    },
+    **{
         ("elastic_inverse_dynamics", *choice, True): _elastic_inverse(Options(*choice))
         for choice in product((False, True), repeat=2)
     },
@@ -139,5 +145,5 @@ RECIPES: Mapping[Any, Recipe] = {
 OF_DRIVES = ("theta", "theta_dot", "theta_ddot", "motor_torque", "deflection", *EFFORT_SLOPES)
 """Inputs and outputs with a number for each drive."""
 
-OF_FRAMES = ("frame_pose", "jacobian")
+OF_FRAMES = ("frame_pose", "jacobian", "frame_acceleration")
 """Functions whose keys say a frame after the name."""

@@ -15,9 +15,8 @@ from cutpoint.mechanics.elastic_inverse import DEFAULT, Options
 from cutpoint.mechanics.torque_derivatives import Change, Cloud, Effort, along_motion
 from cutpoint.model import Drive
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import world_poses
 from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
-from cutpoint.rolled.algorithms.placing import RATES
+from cutpoint.rolled.algorithms.placing import RATES, world_poses
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.packing import added, flat, mat3_of, motion_of, pose_of, wrench_of

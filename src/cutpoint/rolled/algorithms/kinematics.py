@@ -1,22 +1,21 @@
-"""Pose and Jacobian of a frame, as passes.  The frame's body is not part of the code."""
+"""Pose, Jacobian and acceleration of a frame, as passes.  The frame's body is not part of the code."""
 
 from typing import Any
 
 from cutpoint.definitions import matrix_of
-from cutpoint.kernels import Stage, View
+from cutpoint.kernels import Stage
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion, Pose
 from cutpoint.mechanics.kinematics import ExpressedIn
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.placing import RATES, placing
+from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, acceleration_at, body_motions
+from cutpoint.rolled.algorithms.placing import PARENT, RATES, world_poses
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.packing import flat, pose_of
-from cutpoint.rolled.passes import PLAIN, Order, Pass, Steps
+from cutpoint.rolled.packing import flat, motion_of, pose_of
+from cutpoint.rolled.passes import PLAIN, Pass, Steps
 from cutpoint.scalars import where
 
 FRAME = {"frame": 13}
 """Of a frame: its pose in its body's frame, and the number of that body, whose row is "tip"; of the world, infinity."""
-
-PARENT = View("above", "turned", "parent")
 
 
 def frame_pose(columns: Columns) -> Steps:
@@ -58,16 +57,27 @@ def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
     return _of_frame(base, {**kept, "column": 6}, passes, apart)
 
 
-def world_poses(columns: Columns, first: list[Pass], order: Order = PLAIN) -> tuple[list[Pass], dict[str, int]]:
-    """Every body's pose in the world, stored as "turned", and what else is stored.  first: passes that place a base."""
-    place, pose = placing(columns, order, RATES[: order.numbers])
+def frame_acceleration(columns: Columns, expressed_in: ExpressedIn) -> Steps:
+    """The time derivative of a frame's velocity, (6,), without gravity, from the motions of all bodies.
 
-    def outward(at: Any, above: Any) -> Any:
-        X = pose_of(order.scalars(above)) @ pose_of(order.scalars(pose.all(at)))
-        return order.packed([*flat(X.rotation), *X.position])
+    About the world's origin and along its axes these differ from the frame's own by what stands still at the body, so
+    that a change of place and axes maps accelerations as it maps velocities.
+    """
+    base = base_in(columns)
 
-    passes = [Pass("alone", place), *first, Pass("outward", Stage(outward, ("pose", "above"), ("turned",)))]
-    return passes, {"pose": pose.size, "turned": 12 * order.numbers}
+    def at_frame(turned: Any, velocity: Any, acceleration: Any, frame: Any) -> Any:
+        X, V, A = pose_of(turned) @ pose_of(frame[:12]), motion_of(velocity), motion_of(acceleration)
+        if expressed_in == "local_world_aligned":
+            return [*acceleration_at(X.position, V, A), *A.angular]
+        return [*(X.outward(A) if expressed_in == "local" else A)]
+
+    passes, kept = world_poses(columns, [base.is_placed(), _moves(base)] if base else [])
+    passes += body_motions(columns, PLAIN, RATES[:3])
+    reads = (*(f"tip.{x}" for x in ("turned", *MOVED)), "frame")
+    passes += [Pass("once", Stage(at_frame, reads, ("frame_acceleration",)))]
+    kept |= {"column": 6, **dict.fromkeys(MOVED, 6)}
+    steps = _of_frame(base, kept, passes, {"frame_acceleration": 6}, RATES[:3])
+    return steps._replace(views=VIEWS, shapes={"frame_acceleration": (6,)})
 
 
 def _of_base(base: Base) -> Pass:
@@ -86,7 +96,18 @@ def _seen(V: Motion, X: Pose, frame: Pose) -> Motion:
     return V.seen_from_parent(to_frame)
 
 
-def _of_frame(base: Base | None, kept: dict[str, int], passes: list[Pass], apart: dict[str, int]) -> Steps:
-    sizes, constants = sizes_apart(base, ("q",))
+def _moves(base: Base) -> Pass:
+    """Motion of a base, about the world's origin and along its axes."""
+
+    def moves(turned: Any, *rates: Any) -> Any:
+        return [[*base.kind.motion(x).seen_from_parent(pose_of(turned))] for x in rates]
+
+    return Pass("once", Stage(moves, ("base.turned", "base.v", "base.a"), [f"base.{x}" for x in MOVED]))
+
+
+def _of_frame(
+    base: Base | None, kept: dict[str, int], passes: list[Pass], apart: dict[str, int], given: tuple[str, ...] = ("q",)
+) -> Steps:
+    sizes, constants = sizes_apart(base, given)
     world = {"turned": flat(IDENTITY)}
-    return Steps(kept, ("q",), (PARENT,), world, passes, {**sizes, **apart}, {**constants, **FRAME})
+    return Steps(kept, given, (PARENT,), world, passes, {**sizes, **apart}, {**constants, **FRAME})

@@ -10,7 +10,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Vec3, Wrench
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import PARENT, world_poses
+from cutpoint.rolled.algorithms.placing import PARENT, world_poses
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of, wrench_of

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from cutpoint.kernels import Stage, View
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion
+from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Motion, Vec3
 from cutpoint.rolled.algorithms.base import Base
-from cutpoint.rolled.algorithms.kinematics import PARENT
+from cutpoint.rolled.algorithms.placing import PARENT
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import flat, motion_of, pose_of
 from cutpoint.rolled.passes import UPWARD, Order, Pass, Scalars
@@ -40,6 +40,11 @@ def body_motions(columns: Columns, order: Order, rates: Sequence[str]) -> list[P
         Pass("alone", Stage(column, ("body", "turned"), ("column",))),
         Pass("outward", Stage(outward, ("column", "carrier", "lift", *rates[1:]), MOVED)),
     ]
+
+
+def acceleration_at(p: Vec3, V: Motion, A: Motion) -> Vec3:
+    """Of the point of a body that is at p: with the convective term omega x v.  Featherstone (2008) section 2.11."""
+    return A.linear + A.angular.cross(p) + V.angular.cross(V.linear + V.angular.cross(p))
 
 
 def against_gravity(base: Base, row: Scalars, q: Scalars, world: Scalars) -> Motion:

@@ -10,9 +10,8 @@ from cutpoint.kernels import Stage
 from cutpoint.mechanics.bodies.rigid_body import body_regressor
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Motion, Pose, Wrench
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import world_poses
-from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, against_gravity, body_motions, world_rows
-from cutpoint.rolled.algorithms.placing import RATES
+from cutpoint.rolled.algorithms.motions import MOVED, VIEWS, acceleration_at, against_gravity, body_motions, world_rows
+from cutpoint.rolled.algorithms.placing import RATES, world_poses
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.kinship import Kinship
 from cutpoint.rolled.packing import flat, motion_of, pose_of, wrench_of
@@ -54,13 +53,9 @@ def torque_regressor(columns: Columns) -> Steps:
 
 
 def _of_units(X: Pose, V: Motion, A: Motion) -> list[Wrench]:
-    """Wrenches per unit of each parameter of a body at X that moves with V and A, all about the one point.
-
-    Its origin accelerates by A and by the convective term omega x v: Featherstone (2008) section 2.11.
-    """
-    R_T, p, omega = X.rotation.T, X.position, V.angular
-    at_origin = A.linear + A.angular.cross(p) + omega.cross(V.linear + omega.cross(p))
-    units = body_regressor(Motion(R_T @ at_origin, R_T @ A.angular), R_T @ omega, R_T @ omega)
+    """Wrenches per unit of each parameter of a body at X that moves with V and A, all about the one point."""
+    R_T, omega = X.rotation.T, X.rotation.T @ V.angular
+    units = body_regressor(Motion(R_T @ acceleration_at(X.position, V, A), R_T @ A.angular), omega, omega)
     return [X.inward(F) for F in units]
 
 

@@ -7,8 +7,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.kinematics import PARENT
-from cutpoint.rolled.algorithms.placing import placing
+from cutpoint.rolled.algorithms.placing import PARENT, placing
 from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of
 from cutpoint.rolled.passes import PLAIN, Pass, Scalars, Steps
