@@ -139,6 +139,14 @@ def test_what_does_not_leave_says_so(tmp_path: Path) -> None:
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.parametrize("name", ["forward_dynamics", "inverse_dynamics"])
+def test_derivatives_without_a_kernel_are_said_to_leave_where_they_do(name: str) -> None:
+    robot = Robot(TURNING.mechanism)
+    getattr(derivatives, name)(robot, *np.zeros((3, robot.nv)))
+    with pytest.raises(InputError, match="has no kernel to inspect; loops are exported as C only"):
+        robot.kernel(f"{name}_derivatives")
+
+
 def test_small_robots_leave_without_loops(tmp_path: Path) -> None:
     export_function(tree(), "inverse_dynamics", tmp_path)
     assert "no globals, no loops: safe" in (tmp_path / "inverse_dynamics.h").read_text()

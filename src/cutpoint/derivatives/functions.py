@@ -178,7 +178,9 @@ def elastic_loops(robot: Robot) -> bool:
 
 def _rigid_at(robot: Robot, name: str, q: ArrayLike, v: ArrayLike, a: Array) -> InverseDynamicsDerivatives[Array]:
     """The derivatives of inverse dynamics at the accelerations that a function of this name computed."""
-    _kernels_of(robot).remember_as_loops(f"{name}_derivatives")
+    kernels = _kernels_of(robot)
+    are_exported = name == "forward_dynamics" and kernels.derivatives_loop  # by `in_c`
+    kernels.remember_as_loops(f"{name}_derivatives", are_exported=are_exported)
     try:
         return inverse_dynamics(robot, q, v, a)
     except InputError as error:

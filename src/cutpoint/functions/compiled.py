@@ -84,7 +84,8 @@ class RobotKernels:
         self.functions = Functions(self.function)
         self._kernels: dict[str, Kernel] = {}
         self._shared: dict[Any, tuple[RobotFunction, Function]] = {}
-        self._loops: dict[str, RolledFunction | None] = {}
+        self._loops: dict[str, RolledFunction] = {}
+        self._are_exported: dict[str, bool] = {}
 
     def size_of(self, name: str) -> int | tuple[()]:
         """Length of an input's last axis; () for a single number."""
@@ -121,9 +122,12 @@ class RobotKernels:
         """Whether a function runs as loops over bodies."""
         return loops_take(key, self.machine, self._backend)
 
-    def remember_as_loops(self, name: str) -> None:
-        """Notes that a function has no kernel, for the error when one is requested."""
-        self._loops[name] = None
+    def remember_as_loops(self, name: str, *, are_exported: bool = False) -> None:
+        """Notes that a function has no kernel, for the error when one is requested.
+
+        are_exported: whether its loops can be exported as C.
+        """
+        self._are_exported[name] = are_exported
 
     @cached_property
     def lean(self) -> Machine:
@@ -166,6 +170,7 @@ class RobotKernels:
         assert facts.definition is not None
         if loops := rolled(key, self.machine, self._backend, facts.record):
             self._loops[name] = loops
+            self.remember_as_loops(name, are_exported=True)
             return loops.quick()
         machine = self.machine if facts.reads_drives else self.machine._replace(drives=[])
         if by_joint := joint_by_joint(key, facts.definition, sizes, machine, self._backend):
@@ -193,9 +198,9 @@ class RobotKernels:
     def made(self, name: str) -> Kernel:
         """A kernel that has been made, the latest variant of this name."""
         if name not in self._kernels:
-            if name in self._loops:
+            if name in self._are_exported:
                 n = len(self.machine.system.segments)
-                to_export = "; loops are exported as C only" if self._loops[name] else " or to export"
+                to_export = "; loops are exported as C only" if self._are_exported[name] else " or to export"
                 told = f"with {n} bodies it runs as loops over them and has no kernel to inspect{to_export}"
                 raise InputError(f"{name}: {told}; with fewer it has one: lock joints that do not move", name=name)
             there = those_that_exist(name, self._kernels) if self._kernels else "none exists yet"
