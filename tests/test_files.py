@@ -91,3 +91,15 @@ def test_a_place_where_no_file_can_be_is_told_by_its_own_name(tmp_path: Path):
     gone = tmp_path / "none" / "result"
     with pytest.raises(InputError, match=r"file '\S+/none/result' cannot be written"), replacing(gone):
         raise AssertionError("there is no file to write to")
+
+
+def test_a_null_byte_and_a_link_to_itself_are_told(tmp_path: Path):
+    null, link = tmp_path / "a\0b", tmp_path / "link"
+    link.symlink_to(link)
+    for check, path in ((check_target_file, null), (check_target_folder, null), (check_target_folder, null / "new")):
+        with pytest.raises(InputError, match=r"--output '.*a\\x00b\S*' cannot be written \(embedded null byte\)"):
+            check(path, "--output")
+    with pytest.raises(InputError, match=r"--output '\S+/link' cannot be written \(Too many levels"):
+        check_target_folder(link, "--output")
+    with pytest.raises(InputError, match=r"file '\S+/link/x' cannot be written \("), replacing(link / "x"):
+        raise AssertionError("there is no file to write to")

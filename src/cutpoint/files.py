@@ -79,6 +79,8 @@ def check_target_folder(folder: Path, name: str = "output") -> None:
         InputError: it exists but is not a folder, or cannot be created or written to.
     """
     with _told(folder, name):
+        with suppress(FileNotFoundError, NotADirectoryError):
+            folder.stat()  # `exists` is silent about what no path can be
         there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
         if not there.is_dir():
             raise InputError(f"{name} {str(there)!r} is not a folder; name an existing or a new one", output=folder)
@@ -88,11 +90,14 @@ def check_target_folder(folder: Path, name: str = "output") -> None:
 
 @contextmanager
 def _told(path: Path, name: str) -> Generator[None, None, None]:
-    """Reports system errors with the path that the user gave."""
+    """Reports what is wrong with a path, with the path that the user gave."""
     try:
         yield
-    except OSError as error:
-        what = f"{name} {str(path)!r} cannot be written ({error.strerror}); name a place where files can be created"
+    except InputError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:  # ValueError: a null byte; RuntimeError: a link to itself
+        why = error.strerror if isinstance(error, OSError) else error
+        what = f"{name} {str(path)!r} cannot be written ({why}); name a place where files can be created"
         raise InputError(what, path=path) from error
 
 
@@ -102,9 +107,9 @@ def replacing(path: Path) -> Generator[BinaryIO, None, None]:
 
     Raises InputError if no file can be created.
     """
-    target = path.resolve()  # for a link, its target
-    temporary = target.with_name(f".{target.name}.{token_hex(4)}")
     with _told(path, "file"):
+        target = path.resolve()  # for a link, its target
+        temporary = target.with_name(f".{target.name}.{token_hex(4)}")
         file = temporary.open("xb")
     try:
         with file:
