@@ -19,6 +19,8 @@ from cutpoint.commands import app
 from cutpoint.control import PD, PID, AdaptiveVDC, Fault, Feedforward, Guard
 from cutpoint.export import export_controller, export_function
 from cutpoint.functions.facts import FACTS
+from cutpoint.model import Joint, Link
+from cutpoint.model.build import build as build_mechanism
 from cutpoint.simulation.control_kernel import law_kernel, law_memory
 from cutpoint.simulation.loop.parameters import law_parameters
 from cutpoint.trajectories import cycloid
@@ -511,6 +513,24 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
     with pytest.raises(TraceError, match="has no truth value"):
         export_controller(arm, Branching(), tmp_path, control_period=PERIOD)
     assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("links", "kind", "function", "lacking"),
+    [
+        ("base arm", "revolute", "drive_regressor", r"no drive of it has a rotor, .*; state them in a drive file"),
+        ("base arm", "floating", "drive_torque", "it has no joint with a drive$"),
+        ("base", "", "mass_matrix", "no joint of it moves$"),
+    ],
+)
+def test_what_a_robot_lacks_is_told_where_a_function_has_no_numbers(
+    links: str, kind: Any, function: str, lacking: str, tmp_path: Path
+) -> None:
+    parent, *moving = (Link(x, 1.0, inertia=np.eye(3)) for x in links.split())
+    joints = [Joint(x.name, kind, parent.name, x.name) for x in moving]
+    robot = cutpoint.Robot(build_mechanism("it", [parent, *moving], joints))
+    with pytest.raises(InputError, match=f"^{function}: it returns no numbers: {lacking}"):
+        export_function(robot, function, tmp_path)
 
 
 def test_the_command_line_exports(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from cutpoint.export.notes import drive_labels, has_guard, labels_of, left_out_o
 from cutpoint.functions.compiled import compiled_of
 from cutpoint.functions.facts import FACTS
 from cutpoint.functions.variants import motion_names
+from cutpoint.kernels.graphs.ports import with_numbers
 from cutpoint.kernels.graphs.precision import PRECISIONS
 from cutpoint.kernels.targets import c99_package, cuda_package
 from cutpoint.kernels.targets.c99 import Source
@@ -77,6 +78,8 @@ def export_function(
         notes = notes_of(robot, found[0], about, values, result)
         return c99_package.write_source(*found, name, folder, notes, force=force)
     graph = replace(fresh.kernel(function).graph, precision=PRECISIONS[precision])
+    if not with_numbers(graph.outputs):
+        raise InputError(f"{function}: it returns no numbers: {_lacking(robot)}", name=function)
     if named := FACTS[function].result:
         (port,) = graph.outputs
         graph = replace(graph, outputs=(replace(port, name=named),))
@@ -137,6 +140,16 @@ def _check_words(**given: str) -> None:
     if given["to"] not in _WRITERS:
         raise unknown_name("target of export", given["to"], _WRITERS)
     _check_precision(given["precision"])
+
+
+def _lacking(robot: Robot) -> str:
+    """What a robot lacks if a function has no numbers."""
+    if not robot.nv:
+        return f"no joint of {robot.name} moves"
+    if not robot.drives:
+        return f"{robot.name} has no joint with a drive"
+    remedy = "state them in a drive file (drives= of load, --drives on the command line)"
+    return f"no drive of {robot.name} has a rotor, a spring or friction; {remedy}"
 
 
 def _check_precision(precision: str) -> None:
