@@ -38,6 +38,13 @@ def test_an_exported_guard_says_which_joints_it_does_not_limit(tmp_path: Path) -
     assert "note:" not in printed("export", *arm)
 
 
+@pytest.mark.parametrize(("to", "ending", "language"), [("c", "c", "C"), ("cuda", "cu", "CUDA C")])
+def test_the_size_of_the_code_is_told(to: str, ending: str, language: str, tmp_path: Path) -> None:
+    said = printed("export", "xia2019", str(tmp_path), "--function", "gravity_forces", "--to", to)
+    size = (tmp_path / f"gravity_forces.{ending}").stat().st_size
+    assert said.endswith(f"size: {size // 1000 + 1} kB of {language}\n")
+
+
 def test_a_function_leaves_as_c_with_its_options(tmp_path: Path) -> None:
     function, arm = "elastic_inverse_dynamics", robots.xia2019()
     printed("export", "xia2019", str(tmp_path / "found"), "--function", function, "--quasi-rigid", "--friction-rates")

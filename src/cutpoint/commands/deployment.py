@@ -1,5 +1,6 @@
 """Code for other machines."""
 
+from math import ceil
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -7,7 +8,7 @@ import typer
 
 from cutpoint.commands.laws import BANDWIDTH, NAMES, PERIOD, Feed, Guarded, Name, by_name, law_of
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
-from cutpoint.commands.shared import above_zero, app, say_path
+from cutpoint.commands.shared import above_zero, app, console, say_path
 from cutpoint.errors import InputError
 from cutpoint.functions.facts import FACTS
 from cutpoint.mechanics.kinematics import ExpressedIn
@@ -101,6 +102,13 @@ def export(
         )
     for path in paths:
         say_path(to, path)
+    console.print(f"size: {_size_told(paths[0])} of {'C' if to == 'c' else 'CUDA C'}", highlight=False)
+
+
+def _size_told(path: Path) -> str:
+    """How large a file is, which decides how long a compiler takes."""
+    size = path.stat().st_size
+    return f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{ceil(size / 1e3)} kB"
 
 
 def _check_choice(function: str | None, law: str | None, of_laws: dict[str, Any], of_functions: dict[str, Any]) -> None:
