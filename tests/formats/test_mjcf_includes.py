@@ -45,6 +45,19 @@ def test_it_is_the_robot_that_mujoco_reads(tmp_path: Path) -> None:
     assert_torques_are_mujocos(robot, path)
 
 
+def test_links_to_one_file_are_files_of_their_own(tmp_path: Path) -> None:
+    """The Shadow Hand's fingers share their geoms so."""
+    ball = '<geom size="0.1" mass="1" pos="0.2 0 0" contype="0"/>'
+    finger = '<body name="{0}"><joint name="{0}" axis="0 1 0"/><include file="{0}.xml"/></body>'
+    path = tmp_path / "hand.xml"
+    path.write_text(f"<mujoco><worldbody>{finger.format('first')}{finger.format('second')}</worldbody></mujoco>")
+    (tmp_path / "first.xml").write_text(f"<mujoco>{ball}</mujoco>")
+    (tmp_path / "second.xml").symlink_to("first.xml")
+    robot = read(path)
+    assert [*robot.joints] == ["first", "second"]
+    assert_torques_are_mujocos(robot, path)
+
+
 ARM, LIMB = '<mujoco><include file="{}"/></mujoco>', '<mujoco><body name="x"><geom size="0.1" {}/></body></mujoco>'
 REFUSED = {
     "no such file": (

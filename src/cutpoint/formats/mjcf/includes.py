@@ -1,6 +1,7 @@
 """MJCF's <include>: replaced by the contents of the file that it names."""
 
 from collections.abc import Iterator
+from os.path import abspath
 from pathlib import Path
 
 from cutpoint.errors import ModelError
@@ -26,7 +27,7 @@ class _Includes:
 
     def __init__(self, path: Path, limit: int) -> None:
         self._folder, self._place, self._left = path.parent, str(path), limit
-        self._read = {path.resolve()}
+        self._read = {abspath(path)}  # as in MuJoCo, links are files of their own
 
     def expand(self, root: Element) -> None:
         waiting = [(root, 1)]
@@ -57,7 +58,7 @@ class _Includes:
             path = file_within(self._folder, name, ONE_FILE)
         except ModelError as problem:
             raise self._wrong(include, f"<include> {problem}") from problem
-        target = path.resolve()
+        target = abspath(path)
         if target in self._read:
             raise self._wrong(include, f"<include> {name!r}: the file is already part of the model; include it once")
         if len(self._read) > MAXIMUM_FILES:
