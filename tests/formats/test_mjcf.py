@@ -521,9 +521,17 @@ def test_a_site_with_the_name_of_a_body_or_joint_is_renamed_and_said() -> None:
     with pytest.warns(RenamedWarning) as caught:
         parse_mjcf(SITES, "arm.xml")
     (told,) = caught
-    by_body = "site 'arm' is the frame 'arm_site_', since a body has that name"
-    by_joint = "site 'elbow' is the frame 'elbow_site', since a joint has that name"
-    assert str(told.message) == f"{by_body}; {by_joint} (arm.xml)"
+    own = "sites 'arm', 'elbow' are the frames 'arm_site_', 'elbow_site', since bodies or joints have those names"
+    assert str(told.message) == f"{own} (arm.xml)"
+
+
+def test_many_renamed_sites_are_told_in_short() -> None:
+    """As of a humanoid whose every body has a site of its name."""
+    body = '<body name="b{0}"><joint/><geom size="0.1" contype="0" conaffinity="0"/><site name="b{0}"/></body>'
+    rule = r"sites 'b0', .* \(30 in all\), 'b29' are the frames 'b0_site', .*, 'b29_site', since bodies or joints .*"
+    with pytest.warns(RenamedWarning, match=rule) as caught:
+        parse_mjcf(f"<mujoco><worldbody>{''.join(map(body.format, range(30)))}</worldbody></mujoco>")
+    assert max(len(str(told.message)) for told in caught) < 400
 
 
 @pytest.mark.filterwarnings("ignore::cutpoint.formats.RenamedWarning")

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.door import check_kind, path_of
-from cutpoint.errors import ModelError
+from cutpoint.errors import ModelError, listed
 from cutpoint.formats.degrees import warn_of_degrees
 from cutpoint.formats.mjcf.includes import include_files
 from cutpoint.formats.mjcf.losses import losses
@@ -127,10 +127,17 @@ def _robot(
     if lost:
         warn(NotCarriedOver(lost, place))
     if tree.renamed:
-        warn(f"{'; '.join(tree.renamed)} ({place})", RenamedWarning)
+        warn(f"{_of_sites(tree.renamed)} ({place})", RenamedWarning)
     for words in remarks:
         warn(f"MuJoCo says about {place}: {words}")
     return MjcfRobot(mechanism, drives)
+
+
+def _of_sites(renamed: Mapping[str, str]) -> str:
+    """A sentence on the frames of sites, by the sites' names, which others have."""
+    if len(renamed) == 1:
+        return f"site {listed(renamed)} is the frame {listed(renamed.values())}, since a body or joint has that name"
+    return f"sites {listed(renamed)} are the frames {listed(renamed.values())}, since bodies or joints have those names"
 
 
 def _tree(model: Any) -> "_Tree":
@@ -166,7 +173,7 @@ class _Tree:
     """Links and joints as read from a compiled model; armature of hinges and slides by joint.
 
     Generated names avoid those of its bodies, joints and sites.
-    unnamed: fixed joints that the file does not have.  renamed: a sentence for each site with another thing's name.
+    unnamed: fixed joints that the file does not have.  renamed: frames of sites that share a name, by that name.
     """
 
     model: Any
@@ -174,11 +181,11 @@ class _Tree:
     joints: list[Joint] = field(default_factory=list[Joint])
     armature: dict[str, float] = field(default_factory=dict[str, float])
     unnamed: set[str] = field(default_factory=set[str])
-    renamed: list[str] = field(default_factory=list[str])
+    renamed: dict[str, str] = field(default_factory=dict[str, str])
 
     def __post_init__(self) -> None:
         self.body_names, self.joint_names = (names_of(self.model, kind) for kind in ("body", "joint"))
-        self.owners = dict.fromkeys(self.joint_names, "joint") | dict.fromkeys(self.body_names, "body")
+        self.owners = {*self.joint_names, *self.body_names}
         self.taken = {*self.owners, *(self.model.site(s).name for s in range(self.model.nsite))}
 
     def add_body(self, b: int) -> None:
@@ -206,9 +213,8 @@ class _Tree:
         name = stated = self.model.site(s).name
         if not stated:
             return
-        if owner := self.owners.get(stated):
-            name = free(f"{stated}_site", self.taken)
-            self.renamed.append(f"site {stated!r} is the frame {name!r}, since a {owner} has that name")
+        if stated in self.owners:
+            name = self.renamed[stated] = free(f"{stated}_site", self.taken)
         at = _placement(name, self.model.site_pos[s], self.model.site_quat[s])
         self.fix(name, self.body_names[self.model.site_bodyid[s]], at)
         self.links.append(Link(name))
