@@ -118,6 +118,20 @@ def test_what_the_robot_carries_is_a_point_mass_in_the_frame_that_a_note_names(t
     assert "note: carries 2 kg, at 0.05, 0, 0.1 m in the frame 'tool'" in printed("torque", *at)
 
 
+def test_the_frame_of_what_the_robot_carries_may_be_named(tmp_path: Path) -> None:
+    at = ["xia2019", "--q", "0,30,60,0,45,0", "--degrees"]
+    found = saved(tmp_path, "torque", *at, "--carry", "2", "0.05", "0", "0.1", "--carry-frame", "link3")
+    heavy = robots.xia2019().with_payload(2.0, [0.05, 0.0, 0.1], np.zeros((3, 3)), "link3")
+    expected = heavy.gravity_forces(np.radians([0, 30, 60, 0, 45, 0]))
+    np.testing.assert_allclose([joint["gravity"] for joint in found["joints"].values()], expected, rtol=1e-12, atol=0)
+    with pytest.raises(InputError, match=r"no frame is named 'link9'; there are: 'joint1'"):
+        CliRunner().invoke(
+            app, ["torque", *at, "--carry", "2", "0", "0", "0", "--carry-frame", "link9"], catch_exceptions=False
+        )
+    with pytest.raises(InputError, match=r"--carry-frame 'link3' needs a payload: add --carry KG X Y Z"):
+        CliRunner().invoke(app, ["torque", *at, "--carry-frame", "link3"], catch_exceptions=False)
+
+
 @pytest.mark.parametrize("mass", ["-1", "nan"])
 def test_a_payload_without_a_mass_is_refused(mass: str) -> None:
     refused = CliRunner().invoke(app, ["torque", "xia2019", "--q", "0,0,0,0,0,0", "--carry", mass, "0", "0", "0"])

@@ -59,6 +59,7 @@ class RobotFile:
         tuple[float, float, float, float] | None,
         _option(metavar="KG X Y Z", help="A payload: its mass, and where it is in the tool's frame, m, as a point."),
     ] = None
+    carry_frame: Annotated[str | None, _option(metavar="FRAME", help="Frame of --carry instead of the tool's.")] = None
     mend_inertia: Annotated[
         bool,
         _option(
@@ -104,8 +105,11 @@ class RobotFile:
     def _carrying(self, robot: cutpoint.Robot) -> cutpoint.Robot:
         """The robot with its payload, and a note on the frame that holds it.  Raises InputError and ModelError."""
         if self.carry is None:
+            if self.carry_frame is not None:
+                raise InputError(f"--carry-frame {self.carry_frame!r} needs a payload: add --carry KG X Y Z")
             return robot
-        (mass, *point), frame = self.carry, tool_frame_of(robot.mechanism)
+        mass, *point = self.carry
+        frame = tool_frame_of(robot.mechanism) if self.carry_frame is None else self.carry_frame
         held = robot.with_payload(mass, point, np.zeros((3, 3)), frame)
         say_notes([f"carries {mass:g} kg, at {', '.join(f'{x:g}' for x in point)} m in the frame {frame!r}"])
         return held
