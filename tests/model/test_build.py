@@ -1,6 +1,8 @@
 """The door of the model: what `build` makes of links and joints, and what it refuses."""
 
 import re
+import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +13,8 @@ import cutpoint
 from cutpoint.errors import ModelError
 from cutpoint.model import WORLD, Joint, Limits, Link, Mechanism, Mimic
 from cutpoint.model.build import MendedWarning, build
+from cutpoint.model.holding import Degrees
+from cutpoint.model.limits import DegreesWarning
 from cutpoint.model.pose import is_rigid, pose, roll_pitch_yaw, rotation_about
 
 ANGLES = st.floats(-4.0, 4.0)
@@ -258,6 +262,19 @@ def test_a_lock_in_degrees_is_pointed_out() -> None:
     joint = Joint("j", "revolute", "base", "arm", limits=Limits(-3.0, 3.0))
     with pytest.raises(ModelError, match=r"value 90.0 rad is far outside its limits; 90 degrees are 1.5708 rad"):
         build("r", [ball("base"), ball("arm")], [joint], lock={"j": 90.0})
+
+
+@pytest.mark.parametrize("place", [30.0, -30, np.float64(7.0)])
+def test_a_lock_beyond_a_turn_without_limits_is_warned_of_unless_in_degrees(place: float) -> None:
+    joint, links = Joint("j", "revolute", "base", "arm"), [ball("base"), ball("arm")]
+    told = f"lock of joint 'j': position {place:g} rad is beyond a turn: {place:g} degrees are {np.radians(place):.6g}"
+    with pytest.warns(DegreesWarning, match=told):
+        build("r", links, [joint], lock={"j": place})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        build("r", links, [joint], lock={"j": Degrees(100 * place)})
+        build("r", links, [replace(joint, limits=Limits(-40.0, 40.0))], lock={"j": place})
+        build("r", links, [joint], lock={"j": 2 * np.pi})
 
 
 def test_a_follower_is_not_locked_apart_from_its_leader() -> None:

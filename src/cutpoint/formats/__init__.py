@@ -3,10 +3,10 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from cutpoint.formats.degrees import DegreesWarning
 from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.plain_drive import drive_of
 from cutpoint.formats.urdf.urdf import MimicWarning, load_urdf, parse_urdf
+from cutpoint.model.limits import DegreesWarning
 
 if TYPE_CHECKING:
     from cutpoint.formats.catalogue.catalogue import catalogue_drive, catalogue_gear, catalogue_names, entry_of

@@ -4,12 +4,8 @@ from collections.abc import Mapping
 
 from cutpoint.callers import warn
 from cutpoint.errors import listed
-from cutpoint.model.limits import look_like_degrees
+from cutpoint.model.limits import DegreesWarning, look_like_degrees
 from cutpoint.model.mechanism import Limits
-
-
-class DegreesWarning(UserWarning):
-    """A file's joint limits look like degrees."""
 
 
 def warn_of_degrees(limits: Mapping[str, Limits], rule: str, place: str) -> None:

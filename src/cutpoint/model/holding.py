@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cutpoint.callers import warn
 from cutpoint.errors import those_that_exist
-from cutpoint.model.limits import looks_like_millimetres
+from cutpoint.model.limits import DegreesWarning, looks_like_millimetres
 from cutpoint.model.mechanism import Joint, Mimic
 from cutpoint.model.places import Places
 from cutpoint.model.pose import pose, rotation_about
@@ -29,18 +30,29 @@ def hold(joints: Sequence[Joint], lock: Mapping[str, float], coupled: bool, plac
     not exist.
     Raises ModelError: unknown name, a joint that cannot be locked, a follower locked apart from its leader, a circular
     mimic or one of a joint that does not move, numbers beyond those of any machine.
+    Warns, DegreesWarning, of joints without limits that are locked beyond a turn.
     """
     by_name = {joint.name: joint for joint in joints}
-    lock = {name: _in_radians(by_name.get(name), value) for name, value in lock.items()}
-    holder = _Holder(by_name, lock, coupled, places)
-    for name, value in lock.items():
+    radians = {name: _in_radians(by_name.get(name), value) for name, value in lock.items()}
+    holder = _Holder(by_name, radians, coupled, places)
+    for name, value in radians.items():
         holder.check_lock(name, value)
+    for name, value in lock.items():
+        if not isinstance(value, Degrees) and _is_beyond_a_turn(by_name[name], value):
+            told = f"position {value:g} rad is beyond a turn: {value:g} degrees are {math.radians(value):.6g} rad"
+            warn(f"lock of joint {name!r}: {told}", DegreesWarning)
     return [holder.held(joint) for joint in joints]
 
 
 def _in_radians(joint: Joint | None, value: float) -> float:
     slides = joint is not None and joint.kind == "prismatic"
     return math.radians(value) if isinstance(value, Degrees) and not slides else value
+
+
+def _is_beyond_a_turn(joint: Joint, value: float) -> bool:
+    """Whether the joint turns without a limit on that side, and by more than a turn."""
+    limit = joint.limits.upper if value > 0.0 else joint.limits.lower
+    return joint.kind == "revolute" and math.isinf(limit) and abs(value) > 2.0 * math.pi
 
 
 def fixed_at(joint: Joint, value: float) -> Joint:

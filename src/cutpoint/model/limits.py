@@ -17,6 +17,10 @@ DEGREES_BEYOND_LIMIT = 1.25
 """Times the limit that a turning joint exceeds: beyond it, and a turn, a position is in degrees."""
 
 
+class DegreesWarning(UserWarning):
+    """Limits in a file, or the position at which a joint is locked, look like degrees."""
+
+
 def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
     """The tighter of a joint's limits and its drive's, by joint, in the order of the drives.
 

@@ -75,8 +75,8 @@ def load_urdf(
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
     mend_inertia: increase physically impossible inertias until they are possible, with a warning.
     xacro: arguments of a .xacro file, by name.
-    Warns, DegreesWarning, of limits that look like degrees; NotCarriedOver, of rotor inertias and of closed loops and
-    forces beside the tree, which are left out.
+    Warns, DegreesWarning, of limits and locks that look like degrees; NotCarriedOver, of rotor inertias and of closed
+    loops and forces beside the tree, which are left out.
     Raises ModelError, with file and line, for whatever is wrong in the file, for gravity, and for what cannot be
     locked; InputError for other arguments.
     """
