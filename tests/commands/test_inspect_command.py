@@ -44,8 +44,10 @@ def test_limits_of_the_drive_are_shown_beside_those_of_the_robot_file(tmp_path: 
     for torque, counts in ((6.5, "6.5 N m"), (60, "10 N m")):
         limits = f"{{torque: {torque}, velocity: 2.5, position: [-0.5, .inf]}}"
         drives.write_text(f"version: 1\ndrives: {{swing: {{limits: {limits}}}}}\n", encoding="utf-8")
-        told = " ".join(printed("inspect", str(tmp_path / "arm.urdf"), "--drives", str(drives)).split())
-        assert f"-57.3 to 57.3 deg │ 143.2 deg/s │ {counts} │" in told and f"limit {torque} N m" in told
+        arguments = ("inspect", str(tmp_path / "arm.urdf"), "--drives", str(drives))
+        told = " ".join(printed(*arguments).split())
+        assert saved(tmp_path, *arguments)["joints"]["swing"]["position_limits"] == [-0.5, 1.0]
+        assert f"-28.65 to 57.3 deg │ 143.2 deg/s │ {counts} │" in told and f"limit {torque} N m" in told
         assert "limit 2.5 rad/s" in told and "from -28.65 to inf deg" in told
 
 

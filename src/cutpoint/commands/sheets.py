@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 from cutpoint.arrays import Array
 from cutpoint.commands.shared import say_path
-from cutpoint.commands.tables import carrier_of, speeds_and_efforts
+from cutpoint.commands.tables import carrier_of, limits_by_joint
 from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import Body
+from cutpoint.model.mechanism import Body, Limits
 from cutpoint.reporting.numbers import json_bytes, json_values
 from cutpoint.robot import Robot
 
@@ -30,9 +30,9 @@ def save_sheet(sheet: dict[str, Any], path: Path) -> None:
 def robot_sheet(robot: Robot) -> dict[str, Any]:
     """Bodies by joint, with the limits of their joints, and drives by joint."""
     masses = robot.inertial_parameters.reshape(-1, 10)[:, 0].tolist()
-    in_force = speeds_and_efforts(robot)
+    in_force = limits_by_joint(robot)
     joints = {
-        body.joint.name: {**_body(robot, body, *in_force[body.joint.name]), "mass": mass}
+        body.joint.name: {**_body(robot, body, in_force[body.joint.name]), "mass": mass}
         for body, mass in zip(robot.mechanism.bodies, masses, strict=True)
     }
     return {
@@ -66,17 +66,17 @@ def modes_sheet(robot: Robot, found: "Modes") -> dict[str, Any]:
     return {"robot": robot.name, "friction": found.model.friction, "modes": own, "remark": found.remark or None}
 
 
-def _body(robot: Robot, body: Body, speed: float, effort: float) -> dict[str, Any]:
-    """What carries it, and the limits in force of speed and effort; a follower has its leader instead."""
+def _body(robot: Robot, body: Body, limits: Limits) -> dict[str, Any]:
+    """What carries it, and the limits in force; a follower has its leader instead."""
     joint = body.joint
     told = {"kind": joint.kind, "carries": body.name, "carried_by": carrier_of(robot, body)}
     if joint.mimic and robot.mechanism.coupled:
         return {**told, "follows": joint.mimic}
     return {
         **told,
-        "position_limits": [joint.limits.lower, joint.limits.upper],
-        "speed_limit": speed,
-        "effort_limit": effort,
+        "position_limits": [limits.lower, limits.upper],
+        "speed_limit": limits.velocity,
+        "effort_limit": limits.effort,
     }
 
 

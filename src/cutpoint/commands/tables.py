@@ -1,7 +1,7 @@
 """Tables for the command line: robots, drives, torques and errors."""
 
 from collections.abc import Iterator
-from dataclasses import is_dataclass
+from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive
-from cutpoint.model.mechanism import Body, Joint, Mimic
+from cutpoint.model.mechanism import Body, Joint, Limits, Mimic
 from cutpoint.model.units import joint_unit
 from cutpoint.reporting.fitting import natural_width
 from cutpoint.robot import Robot
@@ -40,12 +40,12 @@ def robot_table(robot: Robot, console: Console) -> Table:
     title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
     wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
     stacked.columns[-1].no_wrap = True
-    masses, in_force = robot.inertial_parameters.reshape(-1, 10)[:, 0], speeds_and_efforts(robot)
+    masses, in_force = robot.inertial_parameters.reshape(-1, 10)[:, 0], limits_by_joint(robot)
     for body, mass in zip(robot.mechanism.bodies, masses, strict=True):
         joint, mimic = body.joint, body.joint.mimic if robot.mechanism.coupled else None
         kind = f"{joint.kind}\n{_following(mimic, joint.kind)}" if mimic else joint.kind
         carrier = carrier_of(robot, body)
-        limits = NO_LIMITS if mimic else _in_words(joint, *in_force[joint.name])
+        limits = NO_LIMITS if mimic else _in_words(joint, in_force[joint.name])
         wide.add_row(joint.name, kind, body.name, carrier, f"{mass:.4g}", *limits)
         stacked.add_row(f"{joint.name}\n{kind}", f"{body.name}\n{carrier}", f"{mass:.4g}", *limits)
     return wide if natural_width(wide, console) <= console.width else stacked
@@ -56,11 +56,14 @@ def carrier_of(robot: Robot, body: Body) -> str:
     return robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
 
 
-def speeds_and_efforts(robot: Robot) -> dict[str, tuple[float, float]]:
-    """Limits in force by joint; infinite where there is none, which a robot file may state as 0."""
+def limits_by_joint(robot: Robot) -> dict[str, Limits]:
+    """Limits in force, also of joints without a drive; infinite where there is none, which a file may state as 0."""
     stated, efforts = robot.limits, efforts_of(robot)
     joints = {body.joint.name: stated.get(body.joint.name, body.joint.limits) for body in robot.mechanism.bodies}
-    return {name: (own.velocity or np.inf, efforts.get(name, own.effort) or np.inf) for name, own in joints.items()}
+    return {
+        name: replace(own, velocity=own.velocity or np.inf, effort=efforts.get(name, own.effort) or np.inf)
+        for name, own in joints.items()
+    }
 
 
 def efforts_of(robot: Robot) -> dict[str, float]:
@@ -78,13 +81,13 @@ def _following(mimic: Mimic, kind: str) -> str:
     return f"follows {mimic.joint}" + (f"\n{' '.join(parts)}" if parts else "")
 
 
-def _in_words(joint: Joint, speed: float, effort: float) -> tuple[str, str, str]:
-    """A joint's own position limits, and the limits in force of speed and effort."""
+def _in_words(joint: Joint, limits: Limits) -> tuple[str, str, str]:
+    """A joint's limits in force of position, speed and effort."""
     factor, length, force = (1.0, "m", "N") if joint.kind == "prismatic" else (180 / np.pi, "deg", "N m")
     return (
-        _range(joint.limits.lower, joint.limits.upper, factor, length),
-        "-" if np.isinf(speed) else f"{speed * factor:.4g} {length}/s",
-        "-" if np.isinf(effort) else f"{effort:g} {force}",
+        _range(limits.lower, limits.upper, factor, length),
+        "-" if np.isinf(limits.velocity) else f"{limits.velocity * factor:.4g} {length}/s",
+        "-" if np.isinf(limits.effort) else f"{limits.effort:g} {force}",
     )
 
 
