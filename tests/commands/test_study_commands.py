@@ -26,7 +26,7 @@ def test_an_interrupted_study_ends_with_130_and_says_whether_there_is_a_report(
 ) -> None:
     monkeypatch.setattr(f"cutpoint.studies.{place}", Mock(side_effect=KeyboardInterrupt))
     result = CliRunner().invoke(app, [command, "--output", str(tmp_path / "report")])
-    assert (result.exit_code, result.stderr.strip()) == (130, f"interrupted; {told.format(tmp_path)}")
+    assert (result.exit_code, result.stderr) == (130, f"interrupted; {told.format(tmp_path)}\n")
     assert (tmp_path / "report" / "index.html").exists() == ("go to" in told)
 
 

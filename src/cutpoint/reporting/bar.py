@@ -4,6 +4,7 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.progress import Progress, TaskID
 
 SHOWN_AFTER, EVERY = 1.0, 0.1
@@ -15,7 +16,13 @@ def progress_bar(*, shown: bool = True) -> "Progress":
     from rich.console import Console  # slow to import
     from rich.progress import Progress
 
-    return Progress(console=Console(stderr=True), transient=True, disable=not shown)
+    console = Console(stderr=True)
+    return Progress(console=console, transient=True, disable=not (shown and is_seen(console)))
+
+
+def is_seen(console: "Console") -> bool:
+    """Whether somebody sees a bar there; elsewhere Rich would leave an empty line of it."""
+    return console.is_interactive or console.is_jupyter
 
 
 class Bar:

@@ -3,6 +3,8 @@
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from cutpoint.reporting.bar import is_seen
+
 
 class Steps(Progress):
     """Called with the name of a step, which ends the one before."""
@@ -15,7 +17,8 @@ class Steps(Progress):
             TimeElapsedColumn(),
             TextColumn("{task.description}", markup=False),
         )
-        super().__init__(*columns, console=Console(stderr=True), transient=True, disable=not shown)
+        console = Console(stderr=True)
+        super().__init__(*columns, console=console, transient=True, disable=not (shown and is_seen(console)))
         self._task = self.add_task("", total=count, completed=-1, visible=False)
 
     def expect(self, more: int) -> None:
