@@ -1,6 +1,7 @@
 """Spring and friction laws, alone."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -150,10 +151,37 @@ def test_a_users_law_need_not_state_what_it_does_not_have():
         assert Plain(2.0).columns(speed) == [Coulomb(1.0, 0.0).torque(speed)]
 
 
-def test_a_users_law_must_say_in_what_it_is_linear():
+class Bare(Sliding):
+    coefficients = ("size",)
+
+    def __init__(self, size: float) -> None:
+        self.size = size
+
+    def plateau(self, speed: Scalar) -> Scalar:
+        return self.size
+
+
+class Misspelt(Plain):
+    coefficients = ("sise",)
+
+
+class Single(Plain):
+    coefficients = "size"  # pyright: ignore[reportAssignmentType]
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        (Nameless, "must state `coefficients`, a tuple of the names"),
+        (Single, "must state `coefficients`, a tuple of the names"),
+        (Misspelt, "states 'sise' in `coefficients`, which must name fields of it: 'size'"),
+        (Bare, "states 'size' in `coefficients`, which must name fields of a dataclass, which it is not"),
+    ],
+)
+def test_a_users_law_must_say_in_which_of_its_fields_it_is_linear(law: Any, told: str):
     arm = robot("xia2019")
-    rubbing = replace(arm.drives["joint2"], link_friction=Nameless(1.0))
-    with pytest.raises(ModelError, match="link_friction, a Nameless, must state `coefficients`"):
+    rubbing = replace(arm.drives["joint2"], link_friction=law(1.0))
+    with pytest.raises(ModelError, match=f"link_friction, a {law.__name__}, {told}"):
         arm.with_drives({"joint2": rubbing})
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cutpoint.door import check_kind
-from cutpoint.errors import ModelError, unknown_name
+from cutpoint.errors import ModelError, listed, unknown_name
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.drive_rules import KINDS, OFFERED, RISING, RULES, WAVES, WITHIN, Rule, is_number
 from cutpoint.model.mechanism import Mechanism
@@ -179,15 +179,28 @@ def _of_motors(drive: Drive) -> Iterator[Complaint]:
         yield Complaint("motor.ripple", words)
 
 
+def _of_coefficients(side: str, law: Any) -> Iterator[Complaint]:
+    """A law of the user's own names the fields in which its torque is linear, and is a dataclass that has them."""
+    law_is, named = f"{side}, a {type(law).__name__},", getattr(law, "coefficients", None)
+    own = {field.name for field in fields(law)} if is_dataclass(law) else set[str]()
+    if not isinstance(named, (tuple, list)):
+        rule = (
+            "must state `coefficients`, a tuple of the names of its fields in which the torque is linear; () for none"
+        )
+        yield Complaint(side, f"{law_is} {rule}")
+    elif strange := [name for name in named if name not in own]:
+        kind = f"fields of it: {listed(sorted(own))}" if own else "fields of a dataclass, which it is not"
+        yield Complaint(side, f"{law_is} states {listed(strange)} in `coefficients`, which must name {kind}")
+
+
 def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     """Static friction is not below that in motion; load dependence is for the motor's side only, and with bristles it
     needs a spring to measure the load."""
     sliding = getattr(law, "sliding", law)  # of bristles, their sliding law
     per_load, asymmetry = (getattr(sliding, name, None) for name in ("per_load", "asymmetry"))
     coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
-    if hasattr(sliding, "columns") and not hasattr(sliding, "coefficients"):
-        rule = "must state `coefficients`, the names of its fields in which the torque is linear; () for none"
-        yield Complaint(side, f"{side}, a {type(sliding).__name__}, {rule}")
+    if hasattr(sliding, "columns"):
+        yield from _of_coefficients(side, sliding)
     if coulomb is not None and static is not None and static < coulomb:
         yield Complaint(f"{side}.static", f"must not be below coulomb {coulomb}", static)
     if per_load is not None and side == "link_friction":
