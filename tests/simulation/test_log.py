@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 from matplotlib.text import Text
 
@@ -333,6 +334,17 @@ def test_the_legend_draws_each_channel_as_its_curve_is_drawn():
     (q, q_d), torque = figure.axes[0].lines, figure.axes[3].lines[0]
     assert shown == [(line.get_color(), line.get_linestyle()) for line in (q, torque, q_d)]
     assert [style for _, style in shown] == ["-", "-", "--"]
+
+
+def test_of_lines_that_cover_each_other_all_are_seen():
+    log = example()
+    figure = log.plot("q", beside=dict.fromkeys(("first", "second", "third"), log))
+    assert [line.get_linestyle() for line in figure.axes[0].lines] == ["-", "--", "-.", ":"]
+    image = io.BytesIO()
+    figure.savefig(image, format="png")
+    seen = imread(io.BytesIO(image.getvalue()))[..., :3].reshape(-1, 3)
+    for line in figure.axes[0].lines:
+        assert (np.abs(seen - to_rgb(line.get_color())).max(axis=1) < 0.02).sum() > 300
 
 
 @pytest.mark.parametrize("names", [(), ("q", "power"), ("power",)])

@@ -1,6 +1,7 @@
 """A log as a picture."""
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence
+from itertools import cycle
 from typing import NamedTuple
 
 import numpy as np
@@ -76,12 +77,13 @@ def picture(logs: Mapping[str, Log], names: Sequence[str]) -> Figure:
 
 
 def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[int], dashed: bool) -> Figure:
-    """dashed: whether lines that cover others let them show through."""
+    """dashed: whether lines that cover others let them show through, each in another way."""
     down = cells[-1] // across + 1
     size = (0.6 + AXIS_WIDTH * across, 0.3 + AXIS_HEIGHT * down)
     figure = Figure(figsize=size, dpi=STYLE["figure.dpi"], layout="constrained")
-    later = {words.label(line) for lines in axes.values() for line in lines[1:]} if dashed else set[str]()
     looks = _looks(words.labels)
+    covering = {words.label(line) for lines in axes.values() for line in lines[1:]} if dashed else set[str]()
+    later = dict(zip([label for label in looks if label in covering], cycle(STYLES[1:])))
     drawn: dict[str, Line2D] = {}
     times = [line.times[end] for lines in axes.values() for line in lines for end in (0, -1)]
     for cell, ((unit, *_), lines) in zip(cells, axes.items(), strict=True):
@@ -183,15 +185,14 @@ def _for_people(unit: str) -> tuple[str, float]:
 
 
 def _draw(
-    axis: Axes, lines: Sequence[tuple[str, Line]], looks: dict[str, tuple[str, str]], later: Set[str]
+    axis: Axes, lines: Sequence[tuple[str, Line]], looks: dict[str, tuple[str, str]], later: Mapping[str, str]
 ) -> dict[str, Line2D]:
-    """Draws the lines, by label, in their colours and styles; those labels that are `later` in some axis are dashed in
-    all, to show what they cover; a channel without joints is grey among joints."""
+    """Draws the lines, by label, in their colours and styles; those labels that are `later` in some axis have the style
+    given there in all, to show what they cover; a channel without joints is grey among joints."""
     drawn: dict[str, Line2D] = {}
     for label, line in lines:
         colour, style = looks.get(label, (FAINT, "-"))
-        style = "--" if label in later else style
-        (drawn[label],) = axis.plot(line.times, line.values, style, color=colour, linewidth=1.0)
+        (drawn[label],) = axis.plot(line.times, line.values, later.get(label, style), color=colour, linewidth=1.0)
         if line.times.size == 1:
             drawn[label].set_marker(".")
     low, high = axis.get_ylim()
