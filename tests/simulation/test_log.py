@@ -236,6 +236,8 @@ def test_a_plot_has_the_named_channels_of_other_logs_over_their_own_times():
     figure = log.plot("q", beside={"longer": longer})
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names == ["this log", "longer"] and len(figure.axes) == 3
+    named = log.plot("q", label="shorter", beside={"longer": longer})
+    assert [text.get_text() for text in named.legends[0].get_texts()] == ["shorter", "longer"]
     own, other = figure.axes[0].lines
     assert own.get_xdata()[-1] == log.time[-1] and other.get_xdata()[-1] == 9.0
     assert own.get_color() != other.get_color()
@@ -334,6 +336,13 @@ def test_the_legend_draws_each_channel_as_its_curve_is_drawn():
     (q, q_d), torque = figure.axes[0].lines, figure.axes[3].lines[0]
     assert shown == [(line.get_color(), line.get_linestyle()) for line in (q, torque, q_d)]
     assert [style for _, style in shown] == ["-", "-", "--"]
+
+
+def test_the_label_of_a_log_is_a_text_of_its_own():
+    with pytest.raises(InputError, match="plot: label 'PD' is also the name of a log beside; give each its own"):
+        example().plot("q", label="PD", beside={"PD": example()})
+    with pytest.raises(InputError, match="plot: label must be a text for the legend, got 3"):
+        example().plot("q", label=3)  # pyright: ignore[reportArgumentType]
 
 
 def test_of_lines_that_cover_each_other_all_are_seen():

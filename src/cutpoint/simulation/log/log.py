@@ -151,19 +151,20 @@ class Log:
             )
         return self.run.end
 
-    def plot(self, *names: str, beside: "Mapping[str, Log] | None" = None) -> "Figure":
+    def plot(self, *names: str, beside: "Mapping[str, Log] | None" = None, label: str = "") -> "Figure":
         """A picture, angles in degrees: `log.plot("q", "reference_q").savefig("run.png")`.
 
         With names, channels of the same unit share one small axis per joint, and errors another.  Without, each channel
         has one axis.
         beside: other logs by name, whose named channels are drawn too: `log.plot("position_error", beside={"VDC": b})`.
-        Raises InputError for a channel that a log lacks, or logs beside without names of channels.
+        label: this log's own name in the legend, among others.
+        Raises InputError for a channel that a log lacks, logs beside without names of channels, or a name given twice.
         """
         from cutpoint.simulation.log.plot import check_beside, picture
 
         others: Mapping[str, Log] = beside or {}
-        check_beside(others, names)
-        return picture({"": self, **others}, names)
+        check_beside(others, names, label)
+        return picture({label: self, **others}, names)
 
     def certificate(self) -> "Certificate":
         """The power-flow certificate of a run under `control.VDC`: see `analysis.certificate.Certificate`.

@@ -98,13 +98,17 @@ def _drawn(axes: dict[Axis, list[Line]], words: Words, across: int, cells: list[
     return figure
 
 
-def check_beside(beside: Mapping[str, Log], names: Sequence[str]) -> None:
-    """Raises InputError for anything but logs by name, and if no channels are named to draw of them."""
+def check_beside(beside: Mapping[str, Log], names: Sequence[str], label: str) -> None:
+    """Raises InputError for anything but logs by name, apart from this log's own label, and if no channels are named to
+    draw of them."""
+    check_kind("plot", "label", label, str, "a text for the legend")
     check_kind("plot", "beside", beside, Mapping, "logs by name, such as {'VDC': log}")
     for run, other in beside.items():
         check_kind("plot", "each name in beside", run, str, "a text for the legend")
         if not run:
             raise InputError("plot: a name in beside is empty; name each log, for the legend")
+        if run == label:
+            raise InputError(f"plot: label {label!r} is also the name of a log beside; give each its own")
         check_kind("plot", f"beside[{run!r}]", other, Log, "a log")
     if beside and not names:
         raise InputError("plot: name the channels of logs side by side: log.plot('position_error', beside={...})")
