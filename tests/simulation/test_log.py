@@ -338,6 +338,14 @@ def test_the_legend_draws_each_channel_as_its_curve_is_drawn():
     assert [style for _, style in shown] == ["-", "-", "--"]
 
 
+def test_rows_of_the_legend_are_about_the_same_length():
+    joints, three = tuple(f"shoulder_lift_joint_{k}" for k in range(6)), ("q", "v", "a")
+    log = Log(np.arange(2.0), dict.fromkeys(three, np.zeros((2, 6))), dict.fromkeys(three, "rad"), joints)
+    (legend,) = log.plot().legends
+    heights = [round(text.get_window_extent().y0) for text in legend.get_texts()]
+    assert sorted(map(heights.count, {*heights})) == [3, 3]
+
+
 def test_the_label_of_a_log_is_a_text_of_its_own():
     with pytest.raises(InputError, match="plot: label 'PD' is also the name of a log beside; give each its own"):
         example().plot("q", label="PD", beside={"PD": example()})

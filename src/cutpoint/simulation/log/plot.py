@@ -207,14 +207,16 @@ def _draw(
 
 
 def _explain(figure: Figure, drawn: dict[str, Line2D]) -> None:
-    """A legend above the axes, in as many columns as the figure is wide for, and room for its rows."""
+    """A legend above the axes, in as few rows of about the same length as the figure is wide for, and room for them."""
     if not drawn:
         return
     width, height = figure.get_size_inches()
     alone = _legend(figure, drawn, columns=1)
     widest = _inches(figure, alone)[0] + COLUMN_GAP
     alone.remove()
-    legend = _legend(figure, drawn, columns=max(1, min(MOST_COLUMNS, int(width / widest))))
+    fitting = max(1, min(MOST_COLUMNS, int(width / widest)))
+    rows = -(-len(drawn) // fitting)
+    legend = _legend(figure, drawn, columns=-(-len(drawn) // rows))
     figure.set_size_inches(max(width, widest), height + _inches(figure, legend)[1])
 
 
