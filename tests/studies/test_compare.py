@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -124,6 +125,14 @@ def test_what_an_interruption_leaves_is_written_and_marked(tmp_path, monkeypatch
     assert not results["settings"]["complete"]
     assert results["comparison"]["laws"].keys() == {"pd"} and not results["comparison"]["scenarios"]["fast"]["laws"]
     assert "INCOMPLETE: interrupted after 0 of 1" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+def test_of_scenarios_that_were_not_run_nothing_is_said(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("cutpoint.studies.compare.study.step_times", Mock(side_effect=KeyboardInterrupt))
+    run(tmp_path, laws=(), scenarios=("fast",))
+    assert "Errors by law and scenario\nNo scenario was run." in capsys.readouterr().out
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "Table K1" in page and "No scenario was run." in page and "Each scenario" not in page
 
 
 def test_small_signal_stiffness_of_a_pd_is_its_gains():

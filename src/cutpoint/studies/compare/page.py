@@ -41,6 +41,8 @@ def _tuning(bench: Bench, results: Results) -> Page:
 
 
 def _errors(bench: Bench, results: Results, seeds: int) -> Page:
+    if not results.outcomes:
+        return Page("errors", "Errors by law and scenario", ("No scenario was run.",), {"comparison": numbers(results)})
     stood = f"The robot is {bench.robot.name}. {_move(bench)} {_scenarios(results, seeds)}"
     if bench.robot.strain_names:
         stood += " The plant has hysteresis or bristles throughout; of the laws only the feedforward follows them."
@@ -51,9 +53,8 @@ def _errors(bench: Bench, results: Results, seeds: int) -> Page:
     )
     bar = "The same errors of some scenarios as bars, on logarithmic axes."
     pictures = (
-        (Picture("Figure K1", heat, figures.heat_map(results)), Picture("Figure K2", bar, figures.bars(results)))
-        if results.outcomes
-        else ()
+        Picture("Figure K1", heat, figures.heat_map(results)),
+        Picture("Figure K2", bar, figures.bars(results)),
     )
     blocks = (stood, _sizes(bench), *findings(results), *pictures, *error_tables(results))
     return Page("errors", "Errors by law and scenario", blocks, {"comparison": numbers(results)})
