@@ -8,6 +8,7 @@ import typer
 
 import cutpoint
 from cutpoint.commands.laws import BANDWIDTH, PERIOD, Bandwidth, Feed, Guarded, Law, Period, law_of
+from cutpoint.commands.limits import limits_met
 from cutpoint.commands.robot_file import FloatingBase, RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
@@ -24,13 +25,7 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.sheets import modes_sheet, robot_sheet, save_sheet
-from cutpoint.commands.tables import (
-    drive_table,
-    error_table,
-    limits_met,
-    modes_table,
-    robot_table,
-)
+from cutpoint.commands.tables import drive_table, error_table, modes_table, robot_table
 from cutpoint.errors import INTERRUPTED, InputError, SimulationError
 from cutpoint.reporting.fitting import print_table
 

@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cutpoint.arrays import Array
+from cutpoint.commands.limits import limits_by_joint
 from cutpoint.commands.shared import say_path
-from cutpoint.commands.tables import carrier_of, limits_by_joint
+from cutpoint.commands.tables import carrier_of
 from cutpoint.files import replacing
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.drive import Drive

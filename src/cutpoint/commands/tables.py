@@ -1,14 +1,14 @@
 """Tables for the command line: robots, drives, torques and errors."""
 
-from collections.abc import Iterator
-from dataclasses import is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import is_dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from cutpoint.arrays import Array
+from cutpoint.commands.limits import in_units, limits_by_joint, range_of
 from cutpoint.joint_units import are_prismatic, at_joints
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
@@ -22,10 +22,6 @@ from cutpoint.robot import Robot
 if TYPE_CHECKING:
     from cutpoint.analysis import Modes
     from cutpoint.simulation import Log
-
-ROUNDING = 1e-6
-"""rad (m), and per second, by which a joint that moves to its limits may exceed them without a note."""
-
 
 COLUMNS = ("joint", "kind", "carries", "carried by", "mass / kg", "position limits", "speed limit", "effort limit")
 STACKED = ("joint,\nkind", "carries,\ncarried by", "mass\nkg", "position\nlimits", "speed\nlimit", "effort\nlimit")
@@ -56,21 +52,6 @@ def carrier_of(robot: Robot, body: Body) -> str:
     return robot.mechanism.bodies[body.parent].name if body.parent >= 0 else "world"
 
 
-def limits_by_joint(robot: Robot) -> dict[str, Limits]:
-    """Limits in force, also of joints without a drive; infinite where there is none, which a file may state as 0."""
-    stated, efforts = robot.limits, efforts_of(robot)
-    joints = {body.joint.name: stated.get(body.joint.name, body.joint.limits) for body in robot.mechanism.bodies}
-    return {
-        name: replace(own, velocity=own.velocity or np.inf, effort=efforts.get(name, own.effort) or np.inf)
-        for name, own in joints.items()
-    }
-
-
-def efforts_of(robot: Robot) -> dict[str, float]:
-    """`Robot.effort_limits` by joint, N m (N)."""
-    return dict(zip(robot.joints, robot.effort_limits.tolist(), strict=True))
-
-
 def _following(mimic: Mimic, kind: str) -> str:
     """Whom a joint follows, and how."""
     parts = [f"x {mimic.multiplier:g}"] if mimic.multiplier != 1.0 else []
@@ -85,7 +66,7 @@ def _in_words(joint: Joint, limits: Limits) -> tuple[str, str, str]:
     """A joint's limits in force of position, speed and effort."""
     factor, length, force = (1.0, "m", "N") if joint.kind == "prismatic" else (180 / np.pi, "deg", "N m")
     return (
-        _range(limits.lower, limits.upper, factor, length),
+        range_of(limits.lower, limits.upper, factor, length),
         "-" if np.isinf(limits.velocity) else f"{limits.velocity * factor:.4g} {length}/s",
         "-" if np.isinf(limits.effort) else f"{limits.effort:g} {force}",
     )
@@ -115,7 +96,7 @@ def _limits(drive: Drive, slides: bool) -> list[str]:
     limits, torque, length = drive.limits, joint_unit("N m", slides), joint_unit("rad", slides)
     parts = [f"limit {limits.effort:.4g} {torque}"] if limits.effort < np.inf else []
     parts += [f"limit {limits.velocity:.4g} {length}/s"] if limits.velocity < np.inf else []
-    positions = _range(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
+    positions = range_of(limits.lower, limits.upper, 1.0 if slides else 180 / np.pi, "m" if slides else "deg")
     return parts if positions == "-" else [*parts, f"from {positions}"]
 
 
@@ -146,7 +127,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
     rows = zip(robot.joints, are_prismatic(robot), q, *torques, leads, strict=True)
     for name, slides, position, gravity, on_link, at_motor, lead in rows:
         table.add_row(
-            name, _position(position, slides), f"{gravity:.6g}", f"{on_link:.6g}", f"{at_motor:.6g}",
+            name, in_units(position, slides), f"{gravity:.6g}", f"{on_link:.6g}", f"{at_motor:.6g}",
             f"{lead * 1e3:.4g} mm" if slides else f"{np.degrees(lead) * 60:.4g} arcmin",
         )  # fmt: skip
     rates = (", ".join(f"{x:.4g}" for x in values) for values in (v, a))
@@ -162,7 +143,7 @@ def motion_table(robot: Robot, log: "Log") -> Table:
     torques = [take(name) for name in ("joint_torque", "motor_torque") for take in (log.rms, log.max)]
     units = at_joints(robot, "N m")
     for name, slides, speed, *found in zip(robot.joints, are_prismatic(robot), log.max("v"), *torques, strict=True):
-        table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{_position(speed, slides)}/s")
+        table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{in_units(speed, slides)}/s")
     table.caption = "the motor's torque includes friction, rotor and kinematic error"
     return table
 
@@ -181,88 +162,12 @@ def error_table(robot: Robot, log: "Log") -> Table:
     for k, (name, slides) in enumerate(zip(robot.joints, are_prismatic(robot), strict=True)):
         table.add_row(
             name,
-            _position(rms[k], slides),
-            _position(peak[k], slides),
+            in_units(rms[k], slides),
+            in_units(peak[k], slides),
             f"{feedback[k]:.4g} {units[name]}",
             f"{torque[k]:.4g} {units[name]}",
         )
     return table
-
-
-def beyond_limits(robot: Robot, low: Array, high: Array, peaks: Array) -> Iterator[str]:
-    """A sentence for each limit of position or speed that a motion exceeds.
-
-    low, high, peaks: (n,) least and largest positions, rad (m), and largest speeds, rad/s (m/s).
-    """
-    yield from _beyond_travel(robot, low, high)
-    yield from _beyond_speed(robot, peaks)
-
-
-def _beyond_travel(robot: Robot, low: Array, high: Array) -> Iterator[str]:
-    """A sentence for each joint that moves, from `low` to `high` (n,), farther than files allow."""
-    limits = robot.limits.values()
-    for name, slides, own, least, most in zip(robot.joints, are_prismatic(robot), limits, low, high, strict=True):
-        if least < own.lower - ROUNDING or most > own.upper + ROUNDING:
-            factor, unit = (1e3, "mm") if slides else (np.degrees(1.0), "deg")
-            place, limit = (most, own.upper) if most > own.upper + ROUNDING else (least, own.lower)
-            digits = _digits_apart(place, limit, slides)
-            allowed = _range(own.lower, own.upper, factor, unit, digits)
-            yield f"{name} goes to {_position(place, slides, digits)}, beyond its limits, {allowed}"
-
-
-def _beyond_speed(robot: Robot, peaks: Array) -> Iterator[str]:
-    """A sentence for each joint that moves faster than files allow; peaks: (n,) rad/s (m/s), not negative."""
-    for name, slides, own, peak in zip(robot.joints, are_prismatic(robot), robot.limits.values(), peaks, strict=True):
-        if peak > own.velocity + ROUNDING:
-            digits = _digits_apart(peak, own.velocity, slides)
-            most, limit = _position(peak, slides, digits), _position(own.velocity, slides, digits)
-            yield f"{name} moves at up to {most}/s, above its limit of {limit}/s"
-
-
-def beyond_efforts(robot: Robot, motors: Array, joints: Array) -> Iterator[str]:
-    """A sentence for each limit of torque that a motion exceeds.
-
-    motors, joints: (n,) largest torques of motors, and on what their gears carry, N m (N) at the joint's side.
-    """
-    units, most = at_joints(robot, "N m"), efforts_of(robot)
-    for name, peak in zip(robot.joints, motors.tolist(), strict=True):
-        if peak > most[name] * (1.0 + ROUNDING):
-            yield f"{name} needs {peak:.4g} {units[name]} of its motor, above its limit of {most[name]:.4g}"
-    yield from _beyond_ratings(robot, joints)
-
-
-def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
-    """A sentence for a guard's fault, and for each limit that a run met."""
-    yield from _fault_of(log)
-    yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
-    most, units = efforts_of(robot), at_joints(robot, "N m")
-    for name, share in log.meta.get("over_limit", {}).items():
-        allowed = [f"its limit of {most[name]:.4g} {units[name]}"] if np.isfinite(most[name]) else []
-        motor = robot.drives[name].motor
-        if motor and motor.voltage_limit is not None:
-            allowed.append("its voltage allows")
-        yield f"{name} is asked for more than {' or '.join(allowed)} in {share:.1%} of the samples"
-    yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
-
-
-def _fault_of(log: "Log") -> Iterator[str]:
-    """A sentence for the first fault of a run under a guard, if there is one."""
-    from cutpoint.control import Fault
-
-    if "fault" in log.channels and log["fault"].any():
-        first = np.flatnonzero(log["fault"])[0]
-        kind = Fault(int(log["fault"][first])).name.lower()
-        yield f"the guard found a fault, {kind}, at {log.time[first]:.4g} s: what follows is its reaction"
-
-
-def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
-    """A sentence for each gear loaded beyond its highest rating; peaks: (n,) N m."""
-    units = at_joints(robot, "N m")
-    for (name, drive), peak in zip(robot.drives.items(), peaks, strict=True):
-        allowed = drive.ratings.momentary_peak_torque if drive.ratings else None
-        if allowed is not None and peak > allowed:
-            told = f"{peak:.4g} {units[name]}, above its gear's momentary peak of {allowed:.4g}"
-            yield f"{name} transmits up to {told}: nothing limits it; see `cutpoint check`"
 
 
 def modes_table(robot: Robot, found: "Modes") -> Table:
@@ -283,21 +188,6 @@ def _table(title: str, *columns: str) -> Table:
     for k, column in enumerate(columns):
         table.add_column(column, justify="left" if k == 0 else "right", overflow="fold")
     return table
-
-
-def _position(x: float, slides: bool, digits: int = 4) -> str:
-    return f"{x * 1e3:.{digits}g} mm" if slides else f"{np.degrees(x):.{digits}g} deg"
-
-
-def _digits_apart(x: float, y: float, slides: bool) -> int:
-    """The fewest digits, 4 or more, that tell two different positions apart."""
-    return next((k for k in range(4, 16) if _position(x, slides, k) != _position(y, slides, k)), 16)
-
-
-def _range(lower: float, upper: float, factor: float, unit: str, digits: int = 4) -> str:
-    if np.isinf(lower) and np.isinf(upper):
-        return "-"
-    return f"{lower * factor:.{digits}g} to {upper * factor:.{digits}g} {unit}"
 
 
 def _law(law: object) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
+from cutpoint.commands.limits import beyond_efforts, beyond_limits
 from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
     Degrees,
@@ -23,7 +24,7 @@ from cutpoint.commands.shared import (
     say_notes,
 )
 from cutpoint.commands.sheets import save_sheet, torque_sheet
-from cutpoint.commands.tables import beyond_efforts, beyond_limits, motion_table, torque_table
+from cutpoint.commands.tables import motion_table, torque_table
 from cutpoint.errors import InputError
 from cutpoint.joint_units import at_joints
 from cutpoint.model.limits import check_configuration
