@@ -21,12 +21,16 @@ def printed(*arguments: str) -> str:
 
 
 @pytest.mark.parametrize("options", [[], ["--friction"]])
-def test_the_table_has_every_mode(options):
-    text = printed("xia2019", *POSE, *options)
+def test_the_table_has_every_mode_and_the_picture_is_saved(tmp_path: Path, options: list[str]):
+    target = tmp_path / "modes.png"
+    text = printed("xia2019", *POSE, *options, "--plot", str(target))
     found = robots.xia2019().modes(np.radians([0, 30, 60, 0, 45, 0]), friction=bool(options))
     for f, zeta in zip(found.frequencies, found.damping, strict=True):
         assert f"{f:.2f}" in text and f"{zeta:z.4f}" in text
     assert ("without friction" in text) != bool(options)
+    image = imread(target)
+    assert image.shape[0] > 400 and image.shape[1] > 800
+    assert image[..., :3].std() > 0.05  # something is drawn
 
 
 def test_a_robot_file_needs_no_more_than_its_drives():
@@ -36,12 +40,3 @@ def test_a_robot_file_needs_no_more_than_its_drives():
 
 def test_a_rigid_robot_is_told_to_have_no_drive_modes():
     assert "no drive bends" in " ".join(printed(str(urdf("ur10_robot.urdf"))).split())
-
-
-@pytest.mark.parametrize("options", [[], ["--friction"]])
-def test_the_picture_is_saved(tmp_path: Path, options: list[str]):
-    target = tmp_path / "modes.png"
-    printed("xia2019", *POSE, *options, "--plot", str(target))
-    image = imread(target)
-    assert image.shape[0] > 400 and image.shape[1] > 800
-    assert image[..., :3].std() > 0.05  # something is drawn

@@ -19,6 +19,14 @@ drives: {swing: {ratio: 100, rotor: {inertia: 1.0e-5}, compliance: {linear: {sti
 """
 
 
+def one_joint(folder: Path) -> tuple[str, str, str]:
+    """The robot of one joint and its drive in files, as a command takes it."""
+    robot, drives = folder / "arm.urdf", folder / "arm.yaml"
+    robot.write_text(ONE_JOINT.format(joint="swing"))
+    drives.write_text(ELASTIC)
+    return str(robot), "--drives", str(drives)
+
+
 def printed(*arguments: str) -> str:
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_runs import ELASTIC, ONE_JOINT, printed, refuse, saved
+from command_runs import ELASTIC, ONE_JOINT, one_joint, printed, refuse, saved
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
@@ -23,10 +23,11 @@ BAD_PLACES = {
 def test_the_path_of_a_file_stands_in_one_line_however_long_it_is(tmp_path: Path) -> None:
     folder = tmp_path / ("a_rather_long_name_of_a_folder" * 5)
     folder.mkdir()
+    arm = one_joint(tmp_path)
     for word, command in (
-        ("log", ("simulate", "xia2019", "--to", "0,0,0,0,0,0", "--duration", "0.01", "--output", "x.npz")),
-        ("picture", ("modes", "xia2019", "--plot", "x.png")),
-        ("numbers", ("check", "xia2019", "--to", "0,0,0,0,0,0.1", "--duration", "1", "--json", "x.json")),
+        ("log", ("simulate", *arm, "--to", "0", "--duration", "0.01", "--output", "x.npz")),
+        ("picture", ("modes", *arm, "--plot", "x.png")),
+        ("numbers", ("check", *arm, "--to", "0.1", "--duration", "1", "--json", "x.json")),
         ("picture", ("drive", "CSG-20-100", "--plot", "x.png")),
     ):
         path = str(folder / command[-1])

@@ -7,7 +7,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from command_runs import ONE_JOINT, printed
+from command_runs import ONE_JOINT, one_joint, printed
 from typer.testing import CliRunner
 
 import cutpoint
@@ -45,8 +45,8 @@ def test_a_law_is_simulated_by_its_name_along_the_motion_of_a_file(
 
 def test_saved_logs_are_drawn_beside_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    robot = cutpoint.robots.xia2019()
-    run = cutpoint.simulate(robot, None, None, 0.01)
+    robot, _, drives = one_joint(tmp_path)
+    run = cutpoint.simulate(cutpoint.load(robot, drives), None, None, 0.01)
     for folder in ("a", "b"):
         Path(folder).mkdir()
         run.save(f"{folder}/run.npz")
