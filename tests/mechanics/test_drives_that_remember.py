@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -39,6 +39,7 @@ def random_way(seed: int, size: float, count: int = 400) -> np.ndarray:
 # hysteresis
 
 
+@settings(max_examples=10)  # of 400 reversals each
 @given(seed=seeds, count=st.integers(1, 8))
 def test_hysteresis_gives_back_no_more_than_it_took(seed, count):
     slip, way, strains = MaxwellSlip.smooth(2.3, 3e-4, count), random_way(seed, 1e-3), (0.0,) * count
@@ -83,6 +84,7 @@ def test_minor_loops_close(amplitude, start):
 
 
 @each_law
+@settings(max_examples=10)  # of 100 reversals each
 @given(seed=seeds)
 def test_bristles_give_back_no_more_than_they_took(law, seed):
     """Along a random motion at random speeds and loads."""
