@@ -10,14 +10,14 @@ import pytest
 from cutpoint import Coulomb, InputError, LinearSpring, Log, Robot, Sensors, State, simulate
 from cutpoint.control import PD, VDC, tune
 from cutpoint.trajectories import cycloid
-from robot_library import Array, frictionless, robot
+from robot_library import Array, frictionless, shoulder
 
-MOVE = cycloid(np.radians([60.0, 60.0, -60.0, 60.0, 60.0, -60.0]), 1.0)
+MOVE = cycloid(np.radians([60.0, 60.0, -60.0]), 1.0)
 
 
 @cache
 def arm(kind: str) -> Robot:
-    bare = frictionless(robot("xia2019"))
+    bare = frictionless(shoulder())
     if kind == "rigid":
         return bare.with_drives({name: replace(d, compliance=None) for name, d in bare.drives.items()})
     return bare.with_drives({name: replace(d, compliance=LinearSpring(8e3)) for name, d in bare.drives.items()})
@@ -32,8 +32,8 @@ def law(kind: str, body_gain: float | None = None) -> VDC:
 
 def run(kind: str, controller: Any, **options: Any) -> Log:
     """From a place off the reference."""
-    q = np.full(6, 2e-3)
-    start = State(q=q, theta=q + arm(kind).static_deflection(q), v=np.zeros(6), theta_dot=np.zeros(6))
+    q = np.full(3, 2e-3)
+    start = State(q=q, theta=q + arm(kind).static_deflection(q), v=np.zeros(3), theta_dot=np.zeros(3))
     return simulate(arm(kind), controller, MOVE, 0.06, initial=start, **options)
 
 
@@ -54,8 +54,8 @@ def slack(**changes: Any) -> float:
     """The largest of an arm whose drives are so, as a share of its power."""
     bent = arm("elastic")
     bent = bent.with_drives({name: replace(drive, **changes) for name, drive in bent.drives.items()})
-    q = np.full(6, 2e-3)
-    start = State(q=q, theta=q + bent.static_deflection(q), v=np.zeros(6), theta_dot=np.zeros(6))
+    q = np.full(3, 2e-3)
+    start = State(q=q, theta=q + bent.static_deflection(q), v=np.zeros(3), theta_dot=np.zeros(3))
     law = tune(bent, 4.0, VDC)
     found = simulate(bent, law, MOVE, 0.03, initial=start, control_period=1e-4, hold=False).certificate()
     return np.abs(found.slack).max() / (np.abs(found.inflow).max() + np.abs(found.dissipation).max())
@@ -102,7 +102,7 @@ def test_a_wrong_model_is_seen_where_it_is_wrong():
     model = Robot(replace(truth.mechanism, bodies=tuple(bodies)), truth.drives)
     wrong = tune(model, 4.0, VDC)
     found = run("elastic", wrong, control_period=1e-4, hold=False).certificate()
-    links = np.abs(found.slack[:, :6]).max(axis=0)
+    links = np.abs(found.slack[:, :3]).max(axis=0)
     assert links.argmax() == 2
     assert links[2] > 100 * np.delete(links, 2).max()
 
@@ -114,7 +114,7 @@ def test_the_certificate_prints_every_subsystem_and_what_it_does_not_say():
 
 
 def test_there_is_no_certificate_where_it_would_say_nothing(tmp_path):
-    log = run("elastic", PD([2e3] * 6, [60.0] * 6))
+    log = run("elastic", PD([2e3] * 3, [60.0] * 3))
     with pytest.raises(InputError, match=r"certificate: only a VDC .* has one, but this run is of PD"):
         log.certificate()
     log = run("elastic", tune(arm("elastic"), 4.0, VDC, derivatives="filter"))
