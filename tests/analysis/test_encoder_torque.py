@@ -1,6 +1,7 @@
 """Torque from two encoders: the bound covers, and is not idle."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.drives.presliding import ElastoPlastic
 from cutpoint.model import Harmonic, Motor
-from robot_library import driven_by, robot
+from robot_library import driven_by, robot, shoulder
 
 SPRING = CatalogueSpring(10e3, 14e3, 16e3, 3.9, 12.0)
 PARTS = {
@@ -38,11 +39,12 @@ ENCODERS = {
 }
 
 
+@cache
 def recorded(parts: str, encoders: str) -> tuple[cutpoint.Robot, cutpoint.Log]:
-    arm = robot("xia2019")
+    arm = shoulder().with_payload(20.0, [0.3, 0.0, 0.0], 0.1 * np.eye(3), "link3")
     arm = arm.with_drives({name: replace(drive, **PARTS[parts]) for name, drive in arm.drives.items()})
-    move = cutpoint.trajectories.cycloid(end=np.radians([90, 60, 60, 90, 60, 90]), duration=3.0)
-    law = PD([2e3, 2e3, 1e3, 500, 300, 200], [60, 60, 35, 20, 12, 10]) + Feedforward(arm)
+    move = cutpoint.trajectories.cycloid(end=np.radians([90, 60, 60]), duration=3.0)
+    law = PD([2e3, 2e3, 1e3], [60, 60, 35]) + Feedforward(arm)
     return arm, simulate(arm, law, move, sensors=ENCODERS[encoders])
 
 
@@ -57,8 +59,8 @@ def test_the_bound_covers_999_of_1000_readings_and_is_hardly_larger_than_it_must
     assert (share < 1).mean() >= 0.999
     assert np.percentile(share, 99.9) > 1 / 1.5
     step = SPRING.k3 * np.max(ENCODERS[encoders].link_resolution)
-    shown = [k for k in range(6) if np.ptp(log["joint_torque"][:, k]) > 10 * step]
-    assert len(shown) >= 3
+    shown = [k for k in range(3) if np.ptp(log["joint_torque"][:, k]) > 10 * step]
+    assert len(shown) >= 2
     for k in shown:
         assert np.percentile(share[:, k], 99.9) > 1 / 1.5
 
@@ -69,8 +71,8 @@ def test_following_the_elements_takes_hysteresis_out_of_the_reading():
     theta, q = log["measured_theta"], log["measured_q"]
     read = arm.drive_torque(theta, q)
     plain, followed = read - log["joint_torque"], read + followed_hysteresis(arm, theta, q) - log["joint_torque"]
-    assert np.abs(followed[:, :3]).max() < 0.5 * np.abs(plain[:, :3]).max()
-    assert torque_bound(arm, theta, q, ENCODERS[encoders], winding_speed=0.0).largest_part == ["hysteresis"] * 6
+    assert np.abs(followed).max() < 0.5 * np.abs(plain).max()
+    assert torque_bound(arm, theta, q, ENCODERS[encoders], winding_speed=0.0).largest_part == ["hysteresis"] * 3
 
 
 def test_a_damped_spring_needs_its_winding_speed():
