@@ -91,8 +91,9 @@ def test_every_drive_has_its_mode_on_trees_that_fall_and_swing(seed):
         assert_is_eigenvector(found)
 
 
-@pytest.mark.parametrize("name", ["xia2019", "mixed", "mixed_floating"])
-@pytest.mark.parametrize("friction", [False, True])
+@pytest.mark.parametrize(
+    ("name", "friction"), [("xia2019", False), ("xia2019", True), ("mixed", False), ("mixed_floating", True)]
+)
 def test_shapes_are_eigenvectors_with_a_largest_entry_of_one(name, friction):
     ours = robot(name)
     found = ours.modes(states(ours).q[3], friction=friction)

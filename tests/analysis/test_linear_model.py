@@ -50,7 +50,7 @@ def test_matrices_are_the_slopes_of_the_plant_in_motion(name):
     assert_rows_close(model.B, B, 1e-7)
 
 
-@pytest.mark.parametrize("name", ["xia2019", "mixed_floating"])
+@pytest.mark.parametrize("name", ["xia2019", "mixed"])
 def test_without_friction_only_the_springs_damp(name):
     ours = library(name)
     q = states(ours).q[3]
