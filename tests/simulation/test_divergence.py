@@ -11,7 +11,9 @@ from cutpoint.control import PD, Command, Feedforward
 from cutpoint.formats import parse_urdf
 from cutpoint.simulation import UntracedControllerWarning
 from cutpoint.trajectories import cycloid
-from robot_library import frictionless, robot
+from robot_library import frictionless, robot, shoulder
+
+ARM = frictionless(shoulder())
 
 MOVE = cycloid(np.array([0.3, 0.9, -0.6, 0.4, 0.8, -0.5]), 1.0)
 LINK_SIDE = PD([2000.0, 2000, 1000, 500, 300, 200], [60.0, 60, 35, 20, 12, 10], side="link")
@@ -34,36 +36,41 @@ def test_a_command_that_is_no_number_stops_the_run(accuracy):
     def broken(memory: Any, m: Any, r: Any) -> Any:
         return memory, m.q * (np.inf if m.time > 4.5e-3 else 0.0)
 
-    ours = frictionless(robot("xia2019"))
     with pytest.warns(UntracedControllerWarning), pytest.raises(SimulationError, match=r"t = 0.00\d s") as caught:
-        simulate(ours, broken, duration=0.1, initial=State(q=np.ones(6)), accuracy=accuracy)
+        simulate(ARM, broken, duration=0.1, initial=State(q=np.ones(3)), accuracy=accuracy)
     assert 5 <= len(caught.value.log.time) <= 7
 
 
 def undefined(memory: Any, m: Any, r: Any) -> Any:
     """The third drive's command is not a number from 5 ms on."""
-    return memory, np.array([*[0.0] * 2, where(m.time < 4.5e-3, 0.0, np.nan), *[0.0] * 3])
+    return memory, np.array([0.0, 0.0, where(m.time < 4.5e-3, 0.0, np.nan)])
 
 
 def called_undefined(memory: Any, m: Any, r: Any) -> Any:
     return undefined(memory, m, r) if m.time < 1e3 else None
 
 
+WAYS: list[dict[str, Any]] = [{}, {"accuracy": "reference"}, {"duration": 0.005}, {"channels": ["q"]}]
+
 NO_NUMBER = (
     r"controller (called_)?undefined commands torque nan for 'joint3' at t = 0.005 s, which is not a finite number"
 )
 
 
-@pytest.mark.parametrize("effort", [np.inf, 50.0])
-@pytest.mark.parametrize("law", [undefined, called_undefined])
-@pytest.mark.parametrize("options", [{}, {"accuracy": "reference"}, {"duration": 0.005}, {"channels": ["q"]}])
+@pytest.mark.parametrize(
+    ("law", "effort", "options"),
+    [
+        *((law, effort, {}) for law in (undefined, called_undefined) for effort in (np.inf, 50.0)),
+        *((undefined, 50.0, options) for options in WAYS[1:]),
+        (called_undefined, np.inf, {"accuracy": "reference"}),
+    ],
+)
 @pytest.mark.filterwarnings("ignore::cutpoint.simulation.UntracedControllerWarning")
 def test_a_command_that_is_not_a_number_is_told_with_its_drive_and_time(law, effort, options):
     """Whether or not there is a limit that it could be taken for."""
-    ours = frictionless(robot("xia2019"))
-    drives = {name: replace(d, limits=replace(d.limits, effort=effort)) for name, d in ours.drives.items()}
+    drives = {name: replace(d, limits=replace(d.limits, effort=effort)) for name, d in ARM.drives.items()}
     with pytest.raises(SimulationError, match=NO_NUMBER) as caught:
-        simulate(ours.with_drives(drives), law, **{"duration": 0.02, **options})
+        simulate(ARM.with_drives(drives), law, **{"duration": 0.02, **options})
     log = caught.value.log
     assert log.time[-1] == caught.value.evidence["time"] == pytest.approx(0.005) and np.isfinite(log["q"]).all()
     if "channels" not in options:
@@ -71,33 +78,31 @@ def test_a_command_that_is_not_a_number_is_told_with_its_drive_and_time(law, eff
 
 
 def test_a_command_that_is_not_a_number_is_told_among_many_and_between_samples():
-    ours = frictionless(robot("xia2019"))
-    runs = simulate_many([ours, ours], undefined, duration=0.02, channels=["q"])
+    runs = simulate_many([ARM, ARM], undefined, duration=0.02, channels=["q"])
     for number in range(2):
         with pytest.raises(SimulationError, match=NO_NUMBER):
             runs[number]
     with pytest.raises(SimulationError, match=r"commands torque nan for 'joint3' at t = 0.004\d* s"):
-        simulate(ours, undefined, duration=0.02, hold=False)
+        simulate(ARM, undefined, duration=0.02, hold=False)
 
 
-@pytest.mark.parametrize("part", ["feedforward", "theta", "theta_dot"])
-@pytest.mark.parametrize("options", [{}, {"accuracy": "reference"}, {"duration": 0.005}, {"channels": ["q"]}])
+@pytest.mark.parametrize(
+    ("part", "options"),
+    [*((part, {}) for part in ("feedforward", "theta", "theta_dot")), *(("theta", options) for options in WAYS[1:])],
+)
 def test_a_part_of_a_command_that_moves_nothing_must_be_a_number_too(part, options):
     def odd(memory: Any, m: Any, r: Any) -> Any:
-        nothing = np.zeros(6)
-        own = np.array([0.0, where(m.time < 4.5e-3, 0.0, np.nan), *[0.0] * 4])
+        nothing = np.zeros(3)
+        own = np.array([0.0, where(m.time < 4.5e-3, 0.0, np.nan), 0.0])
         return memory, Command(nothing, **{part: own})
 
-    ours, message = (
-        frictionless(robot("xia2019")),
-        rf"odd commands {part} nan for 'joint2' at t = 0.005 s, which is not",
-    )
+    message = rf"odd commands {part} nan for 'joint2' at t = 0.005 s, which is not"
     with pytest.raises(SimulationError, match=message) as caught:
-        simulate(ours, odd, **{"duration": 0.02, **options})
+        simulate(ARM, odd, **{"duration": 0.02, **options})
     assert caught.value.log.time[-1] == pytest.approx(0.005)
     if "accuracy" not in options and options.get("duration") is None:
         with pytest.raises(SimulationError, match=message):
-            simulate_many([ours] * 2, odd, **{"duration": 0.02, **options})[1]
+            simulate_many([ARM] * 2, odd, **{"duration": 0.02, **options})[1]
 
 
 def test_a_law_called_back_without_its_sensors_is_told_of_them():
@@ -113,22 +118,21 @@ def test_a_law_called_back_without_its_sensors_is_told_of_them():
 
 def kick_at_the_end(memory: Any, m: Any, r: Any) -> Any:
     """So hard from 10 ms on that nothing is finite a millisecond later."""
-    return memory, where(m.time > 9.5e-3, 1e9, 0.0) * np.ones(6)
+    return memory, where(m.time > 9.5e-3, 1e9, 0.0) * np.ones(3)
 
 
 @pytest.mark.parametrize("accuracy", ["standard", "reference"])
 def test_what_would_follow_the_last_sample_does_not_count(accuracy):
-    ours, until = frictionless(robot("xia2019")), 0.01
+    until = 0.01
     with pytest.raises(SimulationError, match=r"diverged at t = 0.011 s"):
-        simulate(ours, kick_at_the_end, duration=0.012)
-    log = simulate(ours, kick_at_the_end, duration=until, accuracy=accuracy)
+        simulate(ARM, kick_at_the_end, duration=0.012)
+    log = simulate(ARM, kick_at_the_end, duration=until, accuracy=accuracy)
     assert log.time[-1] == pytest.approx(until) and all(np.isfinite(x).all() for x in log.channels.values())
 
 
 def test_what_would_follow_the_last_sample_does_not_count_among_many():
-    ours = frictionless(robot("xia2019"))
-    runs = simulate_many([ours, ours], kick_at_the_end, duration=0.01, channels=["q"])
-    alone = simulate(ours, kick_at_the_end, duration=0.01, channels=["q"])
+    runs = simulate_many([ARM, ARM], kick_at_the_end, duration=0.01, channels=["q"])
+    alone = simulate(ARM, kick_at_the_end, duration=0.01, channels=["q"])
     assert not runs.errors and [*runs[1].channels] == ["q"]
     assert np.array_equal(runs[1]["q"], alone["q"])
 
