@@ -53,9 +53,11 @@ def strain_columns(deflection: Array, reaches: Array) -> Array:
     path = deflection[np.flatnonzero(known)[np.maximum(np.cumsum(known) - 1, 0)]]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=path[:1])), append=0.0))
     starts = np.concatenate([[0], turns])
-    strains = np.zeros((starts.size, reaches.size))
-    for k, way in enumerate(np.diff(path[starts]).tolist()):
-        strains[k + 1] = np.minimum(np.maximum(strains[k] + way, -reaches), reaches)
+    strains, backwards = np.zeros((starts.size, reaches.size)), -reaches
+    for at, after, way in zip(strains[:-1], strains[1:], np.diff(path[starts]).tolist(), strict=True):
+        np.add(at, way, out=after)  # in place: a quarter of the time of a fit is spent here
+        np.maximum(after, backwards, out=after)
+        np.minimum(after, reaches, out=after)
     # between reversals an element follows the deflection, or slips
     before = np.searchsorted(starts, np.arange(path.size), side="right") - 1
     way = path - path[starts[before]]
