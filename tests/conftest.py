@@ -1,8 +1,6 @@
 """How the tests run: random inputs are drawn anew on a developer's machine and are the same in CI; none is skipped."""
 
 import os
-import shutil
-import tempfile
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -21,14 +19,10 @@ _CODE = "CUTPOINT_CACHE"
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Machine code is kept for one run of the tests, and shared by its processes; never the user's own is used."""
+    """Machine code is shared by the processes of a run, and kept from run to run in `.pytest_cache`: what a change does
+    not reach is not compiled again.  Never the user's own is used; `--cache-clear` begins anew."""
     if not hasattr(config, "workerinput"):
-        os.environ[_CODE] = tempfile.mkdtemp(prefix="cutpoint-tests-")
-
-
-def pytest_unconfigure(config: pytest.Config) -> None:
-    if not hasattr(config, "workerinput"):
-        shutil.rmtree(os.environ.pop(_CODE), ignore_errors=True)
+        os.environ[_CODE] = str(config.rootpath / ".pytest_cache" / "d" / "cutpoint")
 
 
 def skipped_tests(config: pytest.Config) -> int:
