@@ -1,5 +1,6 @@
 """Derivatives of large robots, as loops or swept instead of compiled: the same as compiled ones, and as Pinocchio's."""
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -281,20 +282,18 @@ def test_matrices_of_a_batch_have_the_bits_of_single_calls(tree: str, key: Any) 
             np.testing.assert_array_equal(x[k], one)
 
 
+BROADCAST = [((), (3,), ()), ((3,), (), ()), ((1,), (3,), (1,)), ((2, 1), (3,), ()), ((0,), (), ())]
+
+
 @pytest.mark.parametrize("size", [29, 40])  # by the mass matrix' factors, and through the bodies
-@pytest.mark.parametrize(
-    "axes", [((), (3,), ()), ((3,), (), ()), ((1,), (3,), (1,)), ((2, 1), (3,), ()), ((0,), (), ())]
-)
-def test_derivatives_of_accelerations_broadcast(size: int, axes: tuple[tuple[int, ...], ...]) -> None:
+def test_derivatives_of_accelerations_broadcast(size: int) -> None:
     made, rng = sprung(chain(size)), np.random.default_rng(2)
     robot = Robot(made.mechanism, made.drives)
-    q, v, tau = (rng.normal(size=(*x, size)) for x in axes)
-    theta, shape = q + 1e-3, np.broadcast_shapes(*axes)
-    whole = np.broadcast_arrays(q, v, tau, theta)
-    for function, given in (
-        (derivatives.forward_dynamics, (0, 1, 2)),
-        (derivatives.elastic_forward_dynamics, (0, 1, 3, 1, 2)),
-    ):
+    functions = (derivatives.forward_dynamics, (0, 1, 2)), (derivatives.elastic_forward_dynamics, (0, 1, 3, 1, 2))
+    for axes, (function, given) in itertools.product(BROADCAST, functions):
+        q, v, tau = (rng.normal(size=(*x, size)) for x in axes)
+        theta, shape = q + 1e-3, np.broadcast_shapes(*axes)
+        whole = np.broadcast_arrays(q, v, tau, theta)
         found = function(robot, *[(q, v, tau, theta)[k] for k in given])
         for x in found:
             assert x.shape == (*shape, size, size)

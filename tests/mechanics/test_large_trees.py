@@ -49,7 +49,6 @@ def rolled(robot: Robot, name: str, backend: str) -> RolledFunction:
 TREES = {
     "one body": chain(1),
     "tree of 20": random_tree(1, 20),
-    "tree of 60": random_tree(2, 60),
     "chain of 20": chain(20),
     "slides alone": chain(6, ("prismatic",)),
     "screws and turns": chain(20, ("helical", "revolute", "prismatic")),

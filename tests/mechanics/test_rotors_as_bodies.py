@@ -85,7 +85,7 @@ def geared(model: pin.Model, links: list[int], rotors: list[int], ratios: np.nda
 
 
 @pytest.mark.parametrize("floating", [False, True])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_rigidly_geared_rotors_are_bodies(seed: int, floating: bool) -> None:
     mechanism, drives = random_arm(seed, floating), rotor_drives(seed, elastic=False)
     ours, rng = Robot(mechanism, drives, backend="numpy"), np.random.default_rng(seed)
@@ -112,7 +112,7 @@ def test_rigidly_geared_rotors_are_bodies(seed: int, floating: bool) -> None:
 
 
 @pytest.mark.parametrize("floating", [False, True])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_elastically_geared_rotors_are_bodies(seed: int, floating: bool) -> None:
     mechanism, drives = random_arm(seed, floating), rotor_drives(seed, elastic=True)
     ours, rng = Robot(mechanism, drives, backend="numpy"), np.random.default_rng(seed)
@@ -297,8 +297,7 @@ def test_inertial_parameters_hold_the_rotors_that_no_link_holds(coupling: str, e
     assert mass == pytest.approx(carried + sum(body.mass for body in mechanism.bodies), rel=1e-14)
 
 
-@pytest.mark.parametrize("floating", [False, True])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("seed", "floating"), [(0, False), (1, True)])
 def test_the_fastest_mode_is_that_of_links_and_rotors_together(seed, floating):
     """As fast as the linear model's fastest pole, which comes by derivatives of the accelerations."""
     ours = Robot(random_arm(seed, floating), rotor_drives(seed, elastic=True)).with_gravity([0.0, 0.0, 0.0])
