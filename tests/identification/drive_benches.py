@@ -58,15 +58,16 @@ class HeldNoise(Trajectory):
         return found
 
 
-def excitation(duration: float, seed: int = 3, speed: float = 1.5) -> Sines:
-    """Multiples of 0.1 Hz up to 0.8 Hz, at this speed at most, rad/s."""
+def excitation(duration: float, seed: int = 3, speed: float = 1.5, joints: int = 6) -> Sines:
+    """Multiples of 0.1 Hz up to 0.8 Hz, at this speed at most, rad/s; of the paper's arm, or of its first joints."""
     rng = np.random.default_rng(seed)
     rate = TURN * 0.1 * np.arange(1.0, 9.0)[:, None] * np.ones(6)
     phase = rng.uniform(0.0, TURN, rate.shape)
     plain = Sines(10.0, np.zeros(6), rng.uniform(0.5, 1.0, rate.shape) / rate, rate, phase)
     fastest = np.abs(plain.derivatives(np.linspace(0.0, 10.0, 1001), 1)[1]).max(axis=0)
     centre = np.array([0.0, 0.4, 0.6, 0.0, 0.5, 0.0])
-    return Sines(duration, centre, plain.amplitude * speed / fastest, rate, phase)
+    waves = (plain.amplitude * speed / fastest, rate, phase)
+    return Sines(duration, centre[:joints], *(x[:, :joints] for x in waves))
 
 
 def true_arm(hysteresis: bool) -> cutpoint.Robot:
@@ -98,9 +99,10 @@ def supposed_arm(true: cutpoint.Robot) -> cutpoint.Robot:
 
 def measured(robot: cutpoint.Robot, duration: float, seed: int = 3, motor_step: float = STEP) -> Recording:
     """What its encoders and its controller record, each motor's encoder on the motor's shaft."""
-    law = PD([3000.0, 3000.0, 1500.0, 400.0, 300.0, 150.0], [150.0, 150.0, 60.0, 12.0, 10.0, 5.0], side="motor")
+    gains, n = ([3000.0, 3000.0, 1500.0, 400.0, 300.0, 150.0], [150.0, 150.0, 60.0, 12.0, 10.0, 5.0]), robot.nv
     sensors = cutpoint.Sensors(link_resolution=STEP, motor_resolution=motor_step / RATIO)
-    log = cutpoint.simulate(robot, law, excitation(duration, seed), sensors=sensors)
+    law = PD(*(x[:n] for x in gains), side="motor")
+    log = cutpoint.simulate(robot, law, excitation(duration, seed, joints=n), sensors=sensors)
     return Recording(
         log.time, log.joints, q=log["measured_q"], theta=log["measured_theta"], torque=log["command_torque"]
     )

@@ -21,6 +21,7 @@ from cutpoint.identification.drives import (
     motor_side,
     two_encoders,
 )
+from cutpoint.identification.drives.columns import strain_columns
 from cutpoint.identification.drives.scatter import covariance
 from cutpoint.identification.drives.two_encoders import AS_STATED
 from cutpoint.mechanics.drives.wave_generator import HarmonicSpring
@@ -455,3 +456,17 @@ def test_a_play_shows_between_the_loops_and_beside_the_spring():
 def test_what_shows_no_drive_is_refused(call, message: str):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_strains_along_a_recording_are_those_of_the_law_sample_by_sample():
+    slip, rng = cutpoint.MaxwellSlip((1.0, 1.0, 1.0), (1e-5, 1e-4, 3e-4)), np.random.default_rng(0)
+    way = np.cumsum(1e-4 * rng.standard_normal(500))
+    known = rng.random(500) < 0.9
+    known[0] = True
+    strains, at, expected = (0.0,) * 3, way[0], []
+    for x in np.where(known, way, np.nan).tolist():
+        if np.isfinite(x):  # where it is unknown, the strain is held
+            strains, at = slip.strains(strains, x - at), x
+        expected.append(strains)
+    found = strain_columns(np.where(known, way, np.nan), np.array(slip.reach))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15)

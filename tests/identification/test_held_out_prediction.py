@@ -1,7 +1,6 @@
 """The paper's arm, whose joints shake as they turn back, from its own files with wrong numbers: what is not fitted."""
 
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,21 +15,24 @@ from cutpoint.identification.conditioning.motion import motion_of
 from cutpoint.identification.output import Identification, identify
 from cutpoint.identification.output.torque_errors import TorqueErrors, stated_torque
 from cutpoint.identification.rigid.bodies import with_parameters
+from robot_library import shoulder
 
 NOISE = 0.05
 """N m, white, of each torque sample: 0.5 % of the second joint's, 16 % of the sixth's."""
 
 
-@cache
-def recorded(seed: int) -> Recording:
-    found = measured(cutpoint.robots.xia2019(), 12.0, seed)
+WHOLE, FIRST = cutpoint.robots.xia2019(), shoulder()
+
+
+def recorded(arm: cutpoint.Robot, seed: int) -> Recording:
+    found = measured(arm, 12.0, seed)
     torque = np.asarray(found["torque"])
     return replace(found, torque=torque + NOISE * np.random.default_rng(seed).normal(size=torque.shape))
 
 
-def wrong_files() -> cutpoint.Robot:
+def wrong_files(arm: cutpoint.Robot) -> cutpoint.Robot:
     """Links heavier by 30 %, friction larger by half, springs and rotors of other sizes."""
-    supposed = supposed_arm(cutpoint.robots.xia2019())
+    supposed = supposed_arm(arm)
     drives = {}
     for joint, drive in supposed.drives.items():
         law: Any = drive.link_friction
@@ -40,24 +42,22 @@ def wrong_files() -> cutpoint.Robot:
 
 
 def true_error(found: Identification) -> np.ndarray:
-    """(n,), RMS of what the true arm's own numbers leave of the torques held out, through the same filters."""
-    true, errors = cutpoint.robots.xia2019(), found.errors
+    """(n,), RMS of what the first joints' own numbers leave of the torques held out, through the same filters."""
+    true, errors = FIRST, found.errors
     motion = motion_of(true, found.recording, found.rigid.cutoff)
     left = errors.measured - low_pass(stated_torque(true, motion), motion.period, errors.bandwidth)
     return np.sqrt(np.nanmean(left[errors.held_out] ** 2, axis=0))
 
 
-# on motion 12 the last joints do not tell Stribeck's friction from Coulomb's: with laws chosen, joint 3 is missed by
-# 4.5 times as much there
 @pytest.mark.parametrize(("friction", "motion"), [("stated", 12), ("choose", 1)])
 def test_torques_held_out_are_missed_by_twice_as_much_as_the_true_arm_misses_at_most(friction: Any, motion: int):
-    found = identify(wrong_files(), recorded(motion), friction=friction, torque_delay=0.5 * PERIOD)
+    found = identify(wrong_files(FIRST), recorded(FIRST, motion), friction=friction, torque_delay=0.5 * PERIOD)
     assert (found.errors.rms("after", held_out=True) < 2.0 * true_error(found)).all()
 
 
 def test_shapes_of_friction_are_found_although_joints_shake():
-    found = identify(wrong_files(), recorded(3), springs=False, torque_delay=0.5 * PERIOD)
-    for choice, drive in zip(found.rigid.friction[:3], cutpoint.robots.xia2019().drives.values(), strict=False):
+    found = identify(wrong_files(WHOLE), recorded(WHOLE, 3), springs=False, torque_delay=0.5 * PERIOD)
+    for choice, drive in zip(found.rigid.friction[:3], WHOLE.drives.values(), strict=False):
         law, true = choice.law, drive.link_friction
         assert isinstance(law, cutpoint.Stribeck)
         assert isinstance(true, cutpoint.Stribeck)
