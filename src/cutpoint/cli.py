@@ -51,4 +51,6 @@ def _say(style: str, kind: str, message: str) -> None:
     from rich.console import Console
     from rich.markup import escape
 
-    Console(stderr=True, emoji=False).print(f"[{style}]{kind}:[/] {escape(message)}", highlight=False)
+    console = Console(stderr=True, emoji=False)
+    # a file keeps each in one line, to be searched
+    console.print(f"[{style}]{kind}:[/] {escape(message)}", highlight=False, soft_wrap=not console.is_terminal)

@@ -72,6 +72,13 @@ def test_output_on_a_full_disk_is_told() -> None:
     assert done.stderr == "error: the output cannot be written: No space left on device\n"
 
 
+def test_a_long_error_in_a_file_is_one_line(tmp_path: Path) -> None:
+    file = str(tmp_path / f"{'a' * 100}.urdf")
+    command = [sys.executable, "-m", "cutpoint", "inspect", file]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (1, f"error: file '{file}' does not exist\n")
+
+
 def test_names_that_a_terminal_cannot_show_are_shown_by_their_code(tmp_path: Path) -> None:
     file = tmp_path / "arm.urdf"
     file.write_text(ONE_JOINT.format(joint="Gelenk-\N{GREEK SMALL LETTER ALPHA}"), encoding="utf-8")
