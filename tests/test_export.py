@@ -516,6 +516,20 @@ def test_what_cannot_be_exported_is_explained(arm: cutpoint.Robot, tmp_path: Pat
 
 
 @pytest.mark.parametrize(
+    ("function", "inputs"), [("momentum", "q v theta_dot"), ("elastic_energy", "q theta theta_dot v")]
+)
+def test_speeds_of_rotors_that_turn_with_links_are_inputs(function: str, inputs: str, tmp_path: Path) -> None:
+    coupled = {"compliance": cutpoint.LinearSpring(1e4), "rotor": Rotor(1e-5, coupling="full")}
+    base = cutpoint.robots.xia2019()
+    arm = base.with_drives({name: Drive(100.0, **coupled) for name in base.joints})
+    export_function(arm, function, tmp_path)
+    given = dict(zip(inputs.split(), np.random.default_rng(3).normal(size=(4, 6)), strict=False))
+    expected = getattr(arm, function)(**given)
+    (found,) = CFunction(tmp_path, function, arm.kernel(function).graph)(*given.values(), arm.drive_parameters)
+    assert_same_bits(found, expected)
+
+
+@pytest.mark.parametrize(
     ("links", "kind", "function", "lacking"),
     [
         ("base arm", "revolute", "drive_regressor", r"no drive of it has a rotor, .*; state them in a drive file"),

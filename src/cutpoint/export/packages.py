@@ -33,6 +33,9 @@ from cutpoint.simulation.loop.parameters import law_parameters
 _WRITERS = {"c": c99_package.write_package, "cuda": cuda_package.write_package}
 """What a function can be exported to."""
 
+_SPEEDS_NEEDED = {"momentum": "theta_dot", "elastic_energy": "v"}
+"""A further input of functions where links carry rotors with full coupling, which turn at speeds of their own."""
+
 
 def export_function(
     robot: Robot,
@@ -52,6 +55,7 @@ def export_function(
     to: "c" or "cuda".  precision: "float64" or "float32".  name: of the C function, the same if not given.
     options: the method's own, such as frame= for a Jacobian.  force: overwrite files that cutpoint has not written.
     Where drives count, their numbers are the function's last input, and the header holds them as <name>_parameters.
+    Of rotors with full coupling behind springs, momentum also takes theta_dot, and elastic_energy v.
     Raises InputError for an unknown function or target, a missing option, a name C cannot take, files in the way, and
     for single precision of what runs as loops or of numbers that it would hold as 0 or infinite.
     """
@@ -62,6 +66,8 @@ def export_function(
     # a fresh robot has compiled no other variant of the kernel
     fresh = Robot(robot.mechanism, robot.drives, backend=robot.backend)
     called = _called(fresh, function)
+    if robot.machine.system.has_sprung_rotors and (speeds := _SPEEDS_NEEDED.get(function)):
+        options[speeds] = _neutral(robot, speeds)
     called(*_neutral_arguments(fresh, function, called, options), **options)
     # arrays are told of where the arguments are
     told = {key: x for key, x in options.items() if isinstance(x, (str, bool, Mapping))}
