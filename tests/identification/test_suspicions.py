@@ -10,7 +10,7 @@ from machine_logs import JOINTS, positions, times
 from two_joints import urdf_text
 
 import cutpoint
-from cutpoint import Robot
+from cutpoint import Drive, Robot
 from cutpoint.errors import InputError
 from cutpoint.formats import parse_urdf
 from cutpoint.identification import Channel, Recording, Table, parse_mapping, recording_of
@@ -106,6 +106,20 @@ def test_positions_far_beyond_the_limits_of_a_robot_are_refused():
     robot = load("ur10_robot.urdf")
     with pytest.raises(InputError, match=r"q of joint '.*' runs from .* beyond its limits; .* degrees: .* unit: deg}'"):
         robot_log(robot, 180.0 / math.pi)
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("deg", r"limits; it is the rotor's, before .* side: motor}'; or the unit that is stated"),
+        ("", r"limits; this looks like degrees: .* unit: deg}'; or it is the rotor's, .* side: motor}' \(log\)$"),
+    ],
+)
+def test_a_unit_is_suggested_only_where_the_log_states_none(unit: str, said: str):
+    arm = Robot(parse_urdf(urdf_text()), dict.fromkeys(("shoulder", "elbow"), Drive(100.0)))
+    log = Table("log", {"t": Channel(T), "theta": Channel(100.0 * np.degrees(SPANS), unit=unit)})
+    with pytest.raises(InputError, match=said):
+        recording_of(log, parse_mapping("version: 1\njoints: [shoulder, elbow]\ntheta: theta"), arm)
 
 
 def test_a_joint_that_the_robot_lacks_is_refused():

@@ -65,12 +65,13 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     if robot:
         for name, each in chosen.items():
             check_kinds(quantities[name], each, joints, _slides(robot))
+    stated = [name for name, each in chosen.items() if quantities[name].sheet.unit or any(each.units)]
     measured = {name: in_si(quantities[name], each, ratio, slides) for name, each in chosen.items()}
     with placed(table.file):
         time, channels, notes = at_common_times(table, mapping, joints, measured)
         recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
         if robot:
-            refuse_other_units(recording, robot)
+            refuse_other_units(recording, robot, stated)
         recording = _cut(recording, mapping.sheet.time)
     return recording.with_notes(suspicions(recording))
 

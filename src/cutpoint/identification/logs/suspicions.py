@@ -1,7 +1,7 @@
 """Plausibility checks of a recording: channels that are constant, clipped, or not in the stated units."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 from scipy.ndimage import binary_erosion
@@ -41,19 +41,20 @@ EXPLANATIONS = {
 }
 
 
-def refuse_other_units(recording: Recording, robot: Robot) -> None:
+def refuse_other_units(recording: Recording, robot: Robot, stated: Collection[str] = ()) -> None:
     """Raises InputError for positions far beyond a joint's limits, such as degrees or counts taken as radians, or mm as
     metres; for motors whose positions are all the links' times one factor; and for a clock in another unit.
 
-    Single false samples, which `identify` replaces, do not count.
+    Single false samples, which `identify` replaces, do not count.  stated: channels whose units the log or its mapping
+    states: another is not suggested.
     """
     try:
-        _refuse(recording, robot)
+        _refuse(recording, robot, stated)
     except InputError:
-        _refuse(without_spikes(recording), robot)
+        _refuse(without_spikes(recording), robot, stated)
 
 
-def _refuse(recording: Recording, robot: Robot) -> None:
+def _refuse(recording: Recording, robot: Robot, stated: Collection[str]) -> None:
     _refuse_one_factor(recording, robot)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):
@@ -62,7 +63,8 @@ def _refuse(recording: Recording, robot: Robot) -> None:
                 try:
                     check_configuration(robot.mechanism, [*furthest.values()])
                 except InputError as error:
-                    raise InputError(_beyond(name, joint, x, recording, robot), **error.evidence) from error
+                    words = _beyond(name, joint, x, recording, robot, name in stated)
+                    raise InputError(words, **error.evidence) from error
 
 
 def _refuse_one_factor(recording: Recording, robot: Robot) -> None:
@@ -89,8 +91,8 @@ def _are_rotors(recording: Recording, joint: str, ratio: float) -> bool:
     return bool(abs(q @ theta - ratio * (q @ q)) < FITS * abs(ratio) * (q @ q))
 
 
-def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot) -> str:
-    """What positions (N,) far beyond a joint's limits look like."""
+def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot, is_stated: bool) -> str:
+    """What positions (N,) far beyond a joint's limits look like.  is_stated: whether their unit is."""
     ratio, slides = robot.drives[joint].ratio, joint in robot.mechanism.sliding
     si = "m" if slides else "rad"
     runs = f"{name} of joint {joint!r} runs from {np.nanmin(x):.4g} to {np.nanmax(x):.4g} {si}"
@@ -98,18 +100,18 @@ def _beyond(name: str, joint: str, x: Array, recording: Recording, robot: Robot)
     if false.size:
         few = f"{counted(false.size, 'sample')}, from {recording.time[false[0]]:.4g} s on"
         return f"{runs}, far beyond its limits, in only {few}: leave the cells of false samples empty"
+    mapped = f"in a mapping, '{name}: {{channels: ..., "
     if name == "theta" and _are_rotors(recording, joint, ratio):
-        remedy = f"state '{name}: {{channels: ..., side: motor}}' in a mapping"
-        words = f"{runs}, the ratio times as far as q, so it is the rotor's: {remedy}"
-    else:
-        looks, unit = _likely_unit(slides, x, recording, robot)
-        remedy = f"state '{name}: {{channels: ..., unit: {unit}}}' in a mapping"
-        words = f"{runs}, far beyond its limits; this looks like {looks}: {remedy}"
+        return f"{runs}, the ratio times as far as q, so it is the rotor's: state that {mapped}side: motor}}'"
+    looks, unit = _likely_unit(slides, x, recording, robot)
+    causes = [f"this looks like {looks}: state that {mapped}unit: {unit}}}'"]
     if name == "theta" and "q" not in recording.channels and abs(ratio) != 1.0:
-        words += f"; or it is the rotor's, before the gear of ratio {ratio:g}: state side: motor"
+        causes.append(f"it is the rotor's, before the gear of ratio {ratio:g}: state that {mapped}side: motor}}'")
     if name == "theta" and ratio == 1.0:
-        words += "; or it is the rotor's, and the gear ratio is missing: give its drive file"
-    return words
+        causes.append("it is the rotor's, and the gear ratio is missing: give its drive file")
+    if is_stated:
+        causes = [*causes[1:], "the unit that is stated for it is wrong"]
+    return f"{runs}, far beyond its limits; {'; or '.join(causes)}"
 
 
 def _likely_unit(slides: bool, x: Array, recording: Recording, robot: Robot) -> tuple[str, str]:
