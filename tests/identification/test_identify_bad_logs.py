@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_logs import TIME, TRUTH, Array, channels, motions, run, wound, write_arm, write_log
+from arm_logs import LAW, TIME, TRUTH, Array, channels, motions, run, wound, write_arm, write_log
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
@@ -74,6 +74,14 @@ def test_a_joint_that_stood_still_is_not_told(files: Path, tmp_path: Path):
     found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml")
     assert not any(n.told for n in found.numbers if n.name in ("viscous.elbow", "I_m.elbow"))
     assert any("viscous.elbow" in sentence for sentence in found.untold)
+
+
+@pytest.mark.parametrize(("share", "is_told"), [(0.0, False), (0.004, True), (0.05, False)])
+def test_a_joint_that_only_a_controller_holds_is_noted(files: Path, share: float, is_told: bool):
+    q, v, a = (x * [1.0, share] for x in motions())
+    log = Recording(TIME, TRUTH.joints, q=q, torque=TRUTH.inverse_dynamics(q, v, a) + LAW.torque(v))
+    notes = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").notes
+    assert any(note.startswith("elbow hardly moved, less than 1% as far") for note in notes) is is_told
 
 
 def shuffled() -> dict[str, Array]:

@@ -44,6 +44,9 @@ FAST = 0.5
 """Share of the joint's top speed: with a larger Stribeck velocity, the log lacks the speeds at which the peak is over,
 and any curved friction has such a law."""
 
+HARDLY = 0.01
+"""Share of the liveliest joint's travel: a joint that travels less hardly moves."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RigidEstimate:
@@ -222,8 +225,15 @@ def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str])
 
 
 def _standing(robot: Robot, log: TorqueData) -> list[str]:
-    still = ", ".join(still_joints(robot, log.motion))
-    return [f"{still} stood still: what moves only with these, and their friction, is not told"] if still else []
+    """Sentences on joints that stood still, and on those that hardly moved, as in a controller's hold."""
+    stood, travel = still_joints(robot, log.motion), np.ptp(log.motion.q[log.motion.known()], axis=0)
+    slight = dict(zip(robot.joints, travel < HARDLY * travel.max(), strict=True))
+    still, hardly = ", ".join(stood), ", ".join(joint for joint in robot.joints if slight[joint] and joint not in stood)
+    beside = "its numbers, and those of joints beside it, may be outside their intervals: move it"
+    return [words for which, words in (
+        (still, f"{still} stood still: what moves only with these, and their friction, is not told"),
+        (hardly, f"{hardly} hardly moved, less than {HARDLY:.0%} as far as another joint: {beside}"),
+    ) if which]  # fmt: skip
 
 
 def _simplified(model: RigidModel, robot: Robot) -> list[str]:
