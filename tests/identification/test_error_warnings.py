@@ -77,14 +77,3 @@ def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
 )
 def test_each_thing_that_is_wrong_is_said_with_its_joint(errors: dict[str, object], words: str):
     assert any(re.match(words, note) for note in said(**errors)), said(**errors)
-
-
-@pytest.mark.parametrize("are_swapped", [True, False])
-def test_swapped_columns_of_torques_are_named(are_swapped: bool):
-    files = np.column_stack([TORQUE, 5.0 * np.sin(0.7 * TIME), 3.0 * np.sin(2.9 * TIME)])
-    measured = 1.3 * files[:, [2, 1, 0] if are_swapped else [0, 1, 2]] + 0.1 * NOISE.T
-    v = np.tile(MOVES[:, None], 3)
-    errors = TorqueErrors(TIME, measured, files, measured, measured, 0.0 * v, v, 0.0 * v, HELD, 10.0)
-    found = [note for note in warnings_of(errors, dict.fromkeys(("pan", "lift", "roll"), "N m")) if "swapped" in note]
-    told = "torques of pan and roll look like what the files predict of each other: are their columns swapped?"
-    assert found == ([told] if are_swapped else [])

@@ -19,9 +19,6 @@ POOR = 0.5
 TURNED = -0.8
 """Correlation of a torque with the files' model: below, a sign is reversed; noise or wrong masses do not cause it."""
 
-SWAPPED, UNLIKE_OWN = 0.8, 0.5
-"""Correlations of two joints' torques with the files' of the other and of their own, if columns are swapped."""
-
 LEAST_ERROR_SHARE = 0.02
 """Share of the torque itself: a smaller error is not mentioned, whichever model is better."""
 
@@ -52,7 +49,7 @@ MOST_OF_ERROR = 0.5
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques carry no information, or are explained much worse than the fitted ones, or than
     by plain least squares.  units: of their torques, by joint."""
-    notes = [*_of_all(errors), *_of_swaps(errors, [*units]), *_of_rest(errors, [*units]), *_of_events(errors, [*units])]
+    notes = [*_of_all(errors), *_of_rest(errors, [*units]), *_of_events(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
         notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
     return notes
@@ -67,16 +64,6 @@ def _of_all(errors: TorqueErrors) -> list[str]:
         return []
     check = "check their unit, and whether they are at the motor's shaft or at the joint"
     return [f"torques are {times:.3g} times what the robot's files predict for this motion: {check}"]
-
-
-def _of_swaps(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
-    """A sentence for each two joints whose torques are like what the files predict of the other."""
-    likeness = errors.likeness()
-    is_other = (likeness > SWAPPED) & (likeness.T > SWAPPED)
-    is_not_own = np.diag(likeness) < UNLIKE_OWN
-    pairs = np.argwhere(np.triu(is_other & is_not_own & is_not_own[:, None], 1)).tolist()
-    what = "look like what the files predict of each other: are their columns swapped?"
-    return [f"torques of {joints[i]} and {joints[j]} {what}" for i, j in pairs]
 
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:

@@ -31,6 +31,7 @@ from cutpoint.identification.output.estimates import Estimates, estimates, sprin
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
+from cutpoint.identification.output.swaps import swap_notes
 from cutpoint.identification.output.torque_errors import TorqueErrors, torque_errors
 from cutpoint.identification.rigid.arguments import check_method
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, Method
@@ -195,6 +196,7 @@ def _identification(
         untold=(*rigid.untold, *_untold(found)),
         doubts=(
             *odd,
+            *swap_notes(before, recording, errors, rigid.cutoff),
             *found.doubts,
             *rigid.doubts,
             *warnings_of(errors, at_joints(after, "N m")),
