@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from cutpoint.identification.output.error_warnings import warnings_of
+from cutpoint.identification.output.error_warnings import unit_notes, warnings_of
 from cutpoint.identification.output.torque_errors import TorqueErrors
 
 TIME = 0.01 * np.arange(4000)
@@ -55,7 +55,6 @@ def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
             {"after": 10.0, "plain": 10.0, "before": 2.0 * TORQUE / NOISE[0] + 0.5},
             r"elbow: the model misses its torque by 9\..*: it opposes what the files predict: is the sign of",
         ),
-        ({"before": 0.999 * TORQUE / NOISE[0]}, r"torques are 1e\+03 times what the robot's files predict .* check"),
         (
             {"after": (0.1 * TIME - 1.4) * np.sign(MOVES) / NOISE[1], "plain": 0.1},
             r"elbow: friction takes 2\.\d+ N m more at the end of the log than at its beginning, as if warming up",
@@ -77,3 +76,21 @@ def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
 )
 def test_each_thing_that_is_wrong_is_said_with_its_joint(errors: dict[str, object], words: str):
     assert any(re.match(words, note) for note in said(**errors)), said(**errors)
+
+
+@pytest.mark.parametrize(
+    ("scale", "said"),
+    [
+        ([1.3, 1.0, 0.7], None),
+        ([1e3, 1e3, 1e3], "pan 1e+03 times, lift 1e+03 times, roll 1e+03 times"),
+        ([1.0, 0.01, 1.0], "lift 0.01 times"),
+    ],
+)
+def test_torques_in_another_unit_are_named_with_the_factor(scale: list[float], said: str | None):
+    files = np.column_stack([TORQUE, 5.0 * np.sin(0.7 * TIME), 3.0 * np.sin(2.9 * TIME)])
+    measured, v = files * scale, np.tile(MOVES[:, None], 3)
+    errors = TorqueErrors(TIME, measured, files, measured, measured, 0.0 * v, v, 0.0 * v, HELD, 10.0)
+    found = unit_notes(errors, ("pan", "lift", "roll"))
+    words = "torques are far from what the robot's files predict for this motion, "
+    assert found == ([] if said is None else [f"{words}{said}: {found[0].partition(': ')[2]}"])
+    assert all("check their unit" in note for note in found)

@@ -61,6 +61,14 @@ def test_what_makes_the_result_doubtful_comes_first(files: Path, tmp_path: Path)
     assert 0 < text.find("warning: friction or inertia of elbow comes out negative") < text.find("not identified: ")
 
 
+def test_a_wrong_unit_leads_and_what_follows_from_it_is_only_counted(files: Path):
+    log = elbow("torque", lambda x: 1e3 * x)
+    found = identify(files / "arm.urdf", Recording(TIME, TRUTH.joints, **log), friction="stated")
+    unit, others = found.doubts
+    assert re.match(r"torques are far from what the robot's files predict .*, elbow \d\.\d*e\+03 times: check", unit)
+    assert re.fullmatch(r"\d+ further doubts? may follow from this: correct it, and identify again", others)
+
+
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
     both = channels()
     log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])
@@ -102,7 +110,11 @@ def shuffled() -> dict[str, Array]:
         (lambda: elbow("torque", lambda x: np.nan * x), "elbow", r"torque of joint 'elbow' holds no number"),
         (lambda: channels() | {"torque": np.zeros_like(channels()["q"])}, "elbow", r"torque never changes"),
         (lambda: elbow("torque", lambda x: np.full_like(x, 0.37)), "elbow", r"torque of elbow never changes .* lock"),
-        (lambda: elbow("torque", lambda x: 1e-6 * x), "elbow", r"torque of elbow never changes .* Map another channel"),
+        (
+            lambda: elbow("torque", lambda x: 1e-6 * x),
+            "elbow",
+            r"torque of elbow never changes .* than that of shoulder: was it measured, and in this unit\?\s+Map an",
+        ),
         (lambda: {"q": channels()["q"]}, "elbow", r"holds no torque or current"),
         (
             lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])},

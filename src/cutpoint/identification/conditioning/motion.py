@@ -157,8 +157,9 @@ def _telling(robot: Robot, name: str, values: Array) -> Array:
         raise InputError(f"{name} never changes in the whole log for any joint: map another channel")
     dead = [joint for joint, change in zip(robot.joints, changes, strict=True) if change <= DEAD * changes.max()]
     if dead:
-        rule = "never changes in the whole log: was it measured?  Map another channel, or lock the joint"
-        raise InputError(f"{name} of {', '.join(dead)} {rule}", joint=dead[0])
+        most = robot.joints[int(np.argmax(changes))]
+        rule = f"never changes in the whole log, or by far less than that of {most}: was it measured, and in this unit?"
+        raise InputError(f"{name} of {', '.join(dead)} {rule}  Map another channel, or lock the joint", joint=dead[0])
     return values
 
 

@@ -26,7 +26,10 @@ MORE = 1.05
 """Times the error of the files' model: up to this, both explain the torques equally well."""
 
 UNLIKE = 30.0
-"""Ratio to the torques of the files' model over all joints, or its inverse: no mass is that wrong."""
+"""Ratio to the torques of the files' model, or its inverse: no mass is that wrong."""
+
+ALIKE = 0.5
+"""Least correlation with these of a joint whose torques alone are that large: else friction may be."""
 
 DRIFTS = 1.0
 """Times the error on the fitted part: a larger change of friction causes most of it."""
@@ -49,21 +52,24 @@ MOST_OF_ERROR = 0.5
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques carry no information, or are explained much worse than the fitted ones, or than
     by plain least squares.  units: of their torques, by joint."""
-    notes = [*_of_all(errors), *_of_rest(errors, [*units]), *_of_events(errors, [*units])]
+    notes = [*_of_rest(errors, [*units]), *_of_events(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
         notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
     return notes
 
 
-def _of_all(errors: TorqueErrors) -> list[str]:
-    known = np.isfinite(errors.before) & np.isfinite(errors.measured)
-    if not known.any():
-        return []
-    times = float(np.linalg.norm(errors.measured[known]) / max(np.linalg.norm(errors.before[known]), TINY))
-    if 1.0 / UNLIKE < times < UNLIKE:
+def unit_notes(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
+    """A sentence on torques of a size that no masses explain: of all joints, or of those whose are like the files'."""
+    measured, files = (np.sqrt(np.nanmean(x**2, axis=0)) for x in (errors.measured, errors.before))
+    times = measured / np.maximum(files, TINY)
+    unlike = (times > UNLIKE) | (times < 1.0 / UNLIKE)
+    if not unlike.all():
+        unlike &= np.diag(errors.likeness()) > ALIKE
+    if not unlike.any():
         return []
     check = "check their unit, and whether they are at the motor's shaft or at the joint"
-    return [f"torques are {times:.3g} times what the robot's files predict for this motion: {check}"]
+    which = ", ".join(f"{joints[j]} {times[j]:.3g} times" for j in np.flatnonzero(unlike).tolist())
+    return [f"torques are far from what the robot's files predict for this motion, {which}: {check}"]
 
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:

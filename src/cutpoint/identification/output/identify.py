@@ -10,7 +10,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.door import check_kind, check_truths, number, path_of
-from cutpoint.errors import InputError
+from cutpoint.errors import InputError, counted
 from cutpoint.formats.drives.file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
@@ -26,7 +26,7 @@ from cutpoint.identification.logs.suspicions import contradictions, refuse_other
 from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
-from cutpoint.identification.output.error_warnings import warnings_of
+from cutpoint.identification.output.error_warnings import unit_notes, warnings_of
 from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
@@ -196,13 +196,20 @@ def _identification(
         untold=(*rigid.untold, *_untold(found)),
         doubts=(
             *odd,
-            *swap_notes(before, recording, errors, rigid.cutoff),
-            *found.doubts,
-            *rigid.doubts,
-            *warnings_of(errors, at_joints(after, "N m")),
+            *_led_by(
+                (*swap_notes(before, recording, errors, rigid.cutoff), *unit_notes(errors, before.joints)),
+                (*found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
+            ),
         ),
         notes=tuple(note for note in notes if not note.endswith(tuple(odd))),
     )
+
+
+def _led_by(causes: Sequence[str], others: Sequence[str]) -> list[str]:
+    """What is wrong with the log itself; doubts about the fit to it follow from that, and are only counted."""
+    if not causes or not others:
+        return [*causes, *others]
+    return [*causes, f"{counted(len(others), 'further doubt')} may follow from this: correct it, and identify again"]
 
 
 def _one_sided(robot: Robot, recording: Recording) -> list[str]:

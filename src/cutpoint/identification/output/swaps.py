@@ -63,4 +63,4 @@ def _undone(
 
 def _ordered(motion: Motion, order: NDArray[np.intp]) -> Motion:
     """With the joints' columns in another order."""
-    return Motion(*(x[:, order] for x in motion[:6]), motion.period, motion.cutoff)
+    return motion._replace(**{name: getattr(motion, name)[:, order] for name in ("q", "v", "a", "theta", "w", "w_dot")})
