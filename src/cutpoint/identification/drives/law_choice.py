@@ -5,9 +5,11 @@ from itertools import product
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.identification.drives.deflections import DeflectionFit
+from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
 
 Name = TypeVar("Name", bound=Hashable)
 
@@ -22,6 +24,9 @@ CHANCE = 0.08
 
 LEAST_IMPROVEMENT = 0.02
 """Share of the squared error that it must gain: samples of a repeated motion are not independent."""
+
+SEARCHED = 2000
+"""Samples from which a law's constants are searched without a block: filtered ones are not independent."""
 
 
 def block_errors(fit: DeflectionFit) -> Array:
@@ -40,6 +45,45 @@ def block_errors(fit: DeflectionFit) -> Array:
         weights, *_ = np.linalg.lstsq(sum(grams) - grams[k], sum(sides) - sides[k])
         found.append(float(np.mean((y - x @ weights) ** 2)))
     return np.array(found)
+
+
+def law_errors(law: SpringLaw, fit: DeflectionFit, torque: Array) -> Array:
+    """As `block_errors`, of a law beside the other components of a fit, which may be of another law.
+
+    The law's constants are searched anew without each block: with corners that all blocks chose, a catalogue's law
+    fitted the noise of each.  torque: (N,), N m.
+    """
+    count = fit.constants.size
+    others = fit.columns[:, count:][:, fit.columns[:, count:].any(axis=0)]
+    others = others / np.linalg.norm(others, axis=0)
+    target = fit.law.deflection(fit.constants, torque) + fit.residual
+    blocks = np.array_split(np.arange(torque.size), BLOCKS)
+    errors = (_error_without(block, law, others, target, torque) for block in blocks)
+    return np.array([*errors])
+
+
+def _error_without(block: NDArray[np.intp], law: SpringLaw, others: Array, target: Array, torque: Array) -> float:
+    """Mean square residual of a block under a fit of law and other columns (N, k) to all others, rad2."""
+    kept = np.delete(np.arange(torque.size), block)
+    some = kept[:: 1 + kept.size // SEARCHED]
+    basis, _ = np.linalg.qr(others[some])
+    constants = fitted(law, torque[some], target[some], lambda values: values - basis @ (basis.T @ values), None)
+    left = target - law.deflection(constants, torque)
+    weights, *_ = np.linalg.lstsq(others[kept].T @ others[kept], others[kept].T @ left[kept])
+    return float(np.mean((left[block] - others[block] @ weights) ** 2))
+
+
+def simplest_law(fits: Mapping[Name, DeflectionFit], errors: Mapping[Name, Array], torque: Array) -> Name:
+    """As `simplest`, of fits with different laws; errors: their `block_errors`.
+
+    A later law must also be better by `law_errors`, with both laws beside its own other components: with other elements
+    of hysteresis, the same law predicts differently.
+    """
+    best, *others = fits
+    for name in others:
+        if simplest({each: errors[each] for each in (best, name)}) == name:
+            best = simplest({each: law_errors(fits[each].law, fits[name], torque) for each in (best, name)})
+    return best
 
 
 def simplest(errors: Mapping[Name, Array]) -> Name:

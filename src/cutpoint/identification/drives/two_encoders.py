@@ -13,7 +13,7 @@ from cutpoint.identification.conditioning.filtering import HIGHEST, noise_cutoff
 from cutpoint.identification.drives.columns import amplitude_errors
 from cutpoint.identification.drives.deflection_fit import ELEMENTS, fit_deflections
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections, TorqueReading
-from cutpoint.identification.drives.law_choice import block_errors, simplest
+from cutpoint.identification.drives.law_choice import block_errors, simplest_law
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import FEWEST_TURNS, SpringEstimate, estimate_of
 from cutpoint.identification.drives.spring_laws import LAWS, SpringLaw, as_stated
@@ -67,7 +67,8 @@ def two_encoders(
     default the smallest steps in the samples.  orders: of the kinematic error, waves per turn of the motor; by default
     those up to 8 that are significant.  laws: spring laws to choose from by cross-validation; one with more constants
     must predict ten held-out blocks better, by 2 % of the squares and by more than 92 % of all signs of the blocks'
-    gains would make of them; and each of its stiffnesses must exceed 4 of its standard deviations.
+    gains would make of them, also with its constants searched without each block and the simpler law beside the same
+    other components; and each of its stiffnesses must exceed 4 of its standard deviations.
     Elements of hysteresis are unstrained at the first sample.
     reading: how the torque was obtained, and its unknown corrections.
     stated: the spring of a file.  If it has another law than the best, or a catalogue's, but predicts as well and is as
@@ -161,8 +162,9 @@ def _best_law(
     tried = {name: law for name, law in LAWS.items() if name in laws}
     fits = {name: fit_deflections(data, law, orders, [elements], damping)[elements] for name, law in tried.items()}
     errors = {name: block_errors(fit) for name, fit in fits.items()}
-    told = {name: each for name, each in errors.items() if _tells_stiffness(fits[name])}
-    return fits[simplest(told or errors)], {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+    told = {name: fit for name, fit in fits.items() if _tells_stiffness(fit)}
+    predictions = {name: float(np.sqrt(np.mean(each))) for name, each in errors.items()}
+    return fits[simplest_law(told or fits, errors, data.torque)], predictions
 
 
 def _says_more(stated: Compliance, found: Compliance) -> bool:
@@ -176,7 +178,9 @@ def _is_as_good(
 ) -> bool:
     """Whether a file's curve predicts held-out samples as well as the best law's fit, and is as stiff."""
     fit = fit_deflections(data, stated, orders, [elements], damping)[elements]
-    if simplest({"stated": block_errors(fit), "best": block_errors(best)}) != "stated":
+    rivals = {"stated": fit, "best": best}
+    errors = {name: block_errors(each) for name, each in rivals.items()}
+    if simplest_law(rivals, errors, data.torque) != "stated":
         return False
     spread = float(np.sqrt(covariance(fit.columns, fit.residual)[0, 0]))
     return abs(float(fit.constants[0]) - 1.0) < max(SIGNIFICANT * spread, AS_STIFF)
