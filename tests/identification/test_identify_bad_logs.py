@@ -61,12 +61,14 @@ def test_what_makes_the_result_doubtful_comes_first(files: Path, tmp_path: Path)
     assert 0 < text.find("warning: friction or inertia of elbow comes out negative") < text.find("not identified: ")
 
 
-def test_a_wrong_unit_leads_and_what_follows_from_it_is_only_counted(files: Path):
-    log = elbow("torque", lambda x: 1e3 * x)
-    found = identify(files / "arm.urdf", Recording(TIME, TRUTH.joints, **log), friction="stated")
-    unit, others = found.doubts
+def test_a_wrong_unit_leads_and_what_follows_from_it_is_counted_and_in_the_report(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", elbow("torque", lambda x: 1e3 * x))
+    status, text = run(files, log, tmp_path / "out")
+    unit, others = text[: text.index("not identified: ")].split("warning: ")[1:]
+    assert status == 0
     assert re.match(r"torques are far from what the robot's files predict .*, elbow \d\.\d*e\+03 times: check", unit)
-    assert re.fullmatch(r"\d+ further doubts? may follow from this: correct it, and identify again", others)
+    assert re.match(r"\d+ further doubts? may follow from this, see the report: correct it first", others)
+    assert "elbow: the model misses its torque by" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):

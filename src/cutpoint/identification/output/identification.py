@@ -20,8 +20,8 @@ class Identification:
     xacro: arguments of that file.
     rigid: links, rotors, friction.  drives: springs of the drives, None unless encoders on both sides were recorded.
     numbers: all that was sought, with intervals.  errors: of torques, before and after.  recording: as used, whole.
-    untold: what this log cannot determine.  doubts: what makes the result doubtful.  notes: repairs, suspicious data,
-    and methods.
+    untold: what this log cannot determine.  doubts: what makes the result doubtful.  causes: those of them from which
+    the later ones may follow, such as swapped columns.  notes: repairs, suspicious data, and methods.
     """
 
     robot: Robot
@@ -35,6 +35,7 @@ class Identification:
     recording: Recording = field(repr=False)
     untold: tuple[str, ...]
     doubts: tuple[str, ...]
+    causes: tuple[str, ...]
     notes: tuple[str, ...]
 
     def __repr__(self) -> str:

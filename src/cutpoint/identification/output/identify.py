@@ -10,7 +10,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.door import check_kind, check_truths, number, path_of
-from cutpoint.errors import InputError, counted
+from cutpoint.errors import InputError
 from cutpoint.formats.drives.file_writing import worded
 from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
@@ -182,6 +182,7 @@ def _identification(
     after, words = _joined(rigid.robot, sprung)
     words += _one_sided(before, recording)
     odd = [*contradictions(recording)]
+    causes = (*swap_notes(before, recording, errors, rigid.cutoff), *unit_notes(errors, before.joints))
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
         robot=after,
@@ -194,22 +195,10 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        doubts=(
-            *odd,
-            *_led_by(
-                (*swap_notes(before, recording, errors, rigid.cutoff), *unit_notes(errors, before.joints)),
-                (*found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
-            ),
-        ),
+        causes=causes,
+        doubts=(*odd, *causes, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
         notes=tuple(note for note in notes if not note.endswith(tuple(odd))),
     )
-
-
-def _led_by(causes: Sequence[str], others: Sequence[str]) -> list[str]:
-    """What is wrong with the log itself; doubts about the fit to it follow from that, and are only counted."""
-    if not causes or not others:
-        return [*causes, *others]
-    return [*causes, f"{counted(len(others), 'further doubt')} may follow from this: correct it, and identify again"]
 
 
 def _one_sided(robot: Robot, recording: Recording) -> list[str]:

@@ -3,6 +3,7 @@
 from rich.table import Table
 from rich.text import Text
 
+from cutpoint.errors import counted
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.report import error_rows
 from cutpoint.joint_units import at_joints, either
@@ -37,5 +38,13 @@ def sentences(found: Identification) -> list[str]:
     if len(untold) > SHOWN:
         untold[SHOWN - 1 :] = [f"not identified: {len(untold) - SHOWN + 1} more numbers, see the report"]
     choices = {str(choice) for choice in found.rigid.friction}
-    doubts = [f"warning: {words}" for words in found.doubts]
-    return [*doubts, *untold, *(f"note: {words}" for words in found.notes if words not in choices)]
+    return [*_warnings(found), *untold, *(f"note: {words}" for words in found.notes if words not in choices)]
+
+
+def _warnings(found: Identification) -> list[str]:
+    """The doubts; of those that may follow from the last known cause, how many there are."""
+    known = 1 + found.doubts.index(found.causes[-1]) if found.causes else len(found.doubts)
+    shown, others = [*found.doubts[:known]], len(found.doubts) - known
+    if others:
+        shown += [f"{counted(others, 'further doubt')} may follow from this, see the report: correct it first"]
+    return [f"warning: {words}" for words in shown]
