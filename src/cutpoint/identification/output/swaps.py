@@ -30,10 +30,11 @@ def swap_notes(robot: Robot, recording: Recording, errors: TorqueErrors, cutoff:
     robot: as its files state it.  cutoff: Hz, of the positions.
     """
     lacking = 1.0 - np.diag(errors.likeness())
-    if lacking.max() < 1.0 - UNLIKE:
+    pairs = [pair for pair in combinations(range(len(lacking)), 2) if lacking[[*pair]].max() > 1.0 - UNLIKE]
+    if not pairs:
         return []
     motion, best, said = motion_of(robot, recording, cutoff), float(lacking.mean()), list[str]()
-    for pair in combinations(range(len(robot.joints)), 2):
+    for pair in pairs:
         for what, undone in _undone(robot, motion, errors, pair):
             left = 1.0 - np.diag(undone.likeness())
             own = left[[*pair]]
