@@ -275,6 +275,9 @@ def test_a_recording_made_in_python_is_suspected_as_a_file_is(files: Path, tmp_p
     far = Recording(TIME, ("shoulder", "elbow"), **(channels() | {"q": np.degrees(channels()["q"])}))
     with pytest.raises(InputError, match=r"far beyond its limits; this looks like degrees"):
         identify(files / "arm.urdf", far, drives=files / "rigid.yaml")
+    slow = Recording(1e3 * TIME, ("shoulder", "elbow"), **channels())
+    with pytest.raises(InputError, match=r"a period of 2 s is too long for a log .*: are the times in ms\?"):
+        identify(files / "arm.urdf", slow, drives=files / "rigid.yaml")
 
 
 def test_a_log_in_the_place_of_the_robot_is_named(files: Path):

@@ -11,6 +11,7 @@ from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.spikes import SELDOM, without_spikes
+from cutpoint.identification.logs.time_stamps import check_period
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
 
@@ -55,6 +56,7 @@ def refuse_other_units(recording: Recording, robot: Robot, stated: Collection[st
 
 
 def _refuse(recording: Recording, robot: Robot, stated: Collection[str]) -> None:
+    check_period(recording.time, "time")
     _refuse_one_factor(recording, robot)
     for name in ("q", "theta"):
         for joint, x in _columns(recording, name):

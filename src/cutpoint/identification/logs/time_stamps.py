@@ -131,7 +131,7 @@ def _leave_out(count: int, among: int, what: str, notes: list[str]) -> None:
 
 
 def _notes_on_gaps(times: Array, name: str, notes: list[str]) -> None:
-    """Notes on gaps.  Raises InputError for a period that suggests another unit."""
+    """Notes on gaps, and on a period that suggests another unit.  Raises InputError, as `check_period`."""
     steps, longest = np.diff(times), longest_step(times)
     period = float(np.median(steps))
     gaps = np.flatnonzero(steps > longest)
@@ -146,6 +146,12 @@ def _notes_on_gaps(times: Array, name: str, notes: list[str]) -> None:
         notes.append(
             f"{name}: {words}: are the times in a longer unit?  If so, state it in a mapping, 'time: {{unit: ...}}'"
         )
+    check_period(times, name)
+
+
+def check_period(times: Array, name: str) -> None:
+    """Raises InputError for times (N,), s, with a period that suggests another unit.  name: the log, for messages."""
+    period = float(np.median(np.diff(times)))
     if period > SLOW:
         unit = next((unit for unit, factor in TIMES.items() if factor * period <= SLOW), "ns")
         remedy = f"state 'time: {{channel: ..., unit: {unit}}}' in a mapping"
