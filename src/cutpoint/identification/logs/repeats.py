@@ -15,13 +15,19 @@ MOST_ARE = 0.5
 """Share of the new samples that are repeated: more of them, and a log is faster than what it records."""
 
 
+def only_new_rows(recording: Recording) -> Recording:
+    """Without repetitions, if the log is faster than what it records; a note says how many."""
+    same = _same_as_before(recording)
+    if (~same[:-1] & same[1:]).sum() <= MOST_ARE * (~same).sum():
+        return recording
+    channels = {name: x[~same] for name, x in recording.channels.items()}
+    rule = "the log is faster than what it records, and only rows that are new are used"
+    return replace(recording, time=recording.time[~same], **channels).with_notes([f"{_told(same)}: {rule}"])
+
+
 def without_repeats(recording: Recording) -> Recording:
     """Samples that repeat the one before in every channel, few in a row, are unknown; a note says how many."""
-    same = _same_as_before(recording)
-    if (~same[:-1] & same[1:]).sum() > MOST_ARE * (~same).sum():
-        rule = "was it logged faster than measured?  Keep only rows that are new"
-        return recording.with_notes([f"{_told(same)}: {rule}"])
-    repeats = _short_runs(same)
+    repeats = _short_runs(_same_as_before(recording))
     if not repeats.any():
         return recording
     channels = {name: np.where(repeats[:, None], np.nan, x) for name, x in recording.channels.items()}

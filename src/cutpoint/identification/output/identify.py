@@ -20,7 +20,7 @@ from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
-from cutpoint.identification.logs.repeats import without_repeats
+from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
 from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
 from cutpoint.identification.logs.table import placed
@@ -159,7 +159,7 @@ def _read(
 
 def _recorded(log: OneLog, mapping: str | Path | Mapping[str, Any] | None, robot: Robot) -> Recording:
     found = _suspected(log, robot) if isinstance(log, Recording) else read_recording(log, mapping, robot)
-    return evenly_stamped(found)
+    return evenly_stamped(only_new_rows(found))
 
 
 def _named(log: OneLog, recording: Recording) -> Recording:
