@@ -15,6 +15,7 @@ from cutpoint.model import WORLD, Joint, Limits, Link, Mechanism, Mimic
 from cutpoint.model.build import MendedWarning, build
 from cutpoint.model.holding import Degrees
 from cutpoint.model.limits import DegreesWarning
+from cutpoint.model.mechanism import JointKind
 from cutpoint.model.pose import is_rigid, pose, roll_pitch_yaw, rotation_about
 
 ANGLES = st.floats(-4.0, 4.0)
@@ -264,16 +265,17 @@ def test_a_lock_in_degrees_is_pointed_out() -> None:
         build("r", [ball("base"), ball("arm")], [joint], lock={"j": 90.0})
 
 
+@pytest.mark.parametrize("kind", ["revolute", "continuous"])
 @pytest.mark.parametrize("place", [30.0, -30, np.float64(7.0)])
-def test_a_lock_beyond_a_turn_without_limits_is_warned_of_unless_in_degrees(place: float) -> None:
-    joint, links = Joint("j", "revolute", "base", "arm"), [ball("base"), ball("arm")]
+def test_a_lock_beyond_a_turn_without_limits_is_warned_of_unless_in_degrees(kind: JointKind, place: float) -> None:
+    joint, links = Joint("j", kind, "base", "arm"), [ball("base"), ball("arm")]
     told = f"lock of joint 'j': position {place:g} rad is beyond a turn: {place:g} degrees are {np.radians(place):.6g}"
     with pytest.warns(DegreesWarning, match=told):
         build("r", links, [joint], lock={"j": place})
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         build("r", links, [joint], lock={"j": Degrees(100 * place)})
-        build("r", links, [replace(joint, limits=Limits(-40.0, 40.0))], lock={"j": place})
+        build("r", links, [replace(joint, kind="revolute", limits=Limits(-40.0, 40.0))], lock={"j": place})
         build("r", links, [joint], lock={"j": 2 * np.pi})
 
 

@@ -52,7 +52,7 @@ def _in_radians(joint: Joint | None, value: float) -> float:
 def _is_beyond_a_turn(joint: Joint, value: float) -> bool:
     """Whether the joint turns without a limit on that side, and by more than a turn."""
     limit = joint.limits.upper if value > 0.0 else joint.limits.lower
-    return joint.kind == "revolute" and math.isinf(limit) and abs(value) > 2.0 * math.pi
+    return joint.kind in ("revolute", "continuous") and math.isinf(limit) and abs(value) > 2.0 * math.pi
 
 
 def fixed_at(joint: Joint, value: float) -> Joint:
