@@ -58,10 +58,9 @@ def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
 
 
 def frame_acceleration(columns: Columns, expressed_in: ExpressedIn) -> Steps:
-    """The time derivative of a frame's velocity, (6,), without gravity, from the motions of all bodies.
+    """The time derivative of a frame's velocity, (6,), m/s2 and rad/s2, without gravity, from the motions of all bodies.
 
-    About the world's origin and along its axes these differ from the frame's own by what stands still at the body, so
-    that a change of place and axes maps accelerations as it maps velocities.
+    Spatial accelerations change their place and axes as velocities do: Featherstone (2008) section 2.11.
     """
     base = base_in(columns)
 
