@@ -58,7 +58,7 @@ def jacobian(columns: Columns, expressed_in: ExpressedIn) -> Steps:
 
 
 def frame_acceleration(columns: Columns, expressed_in: ExpressedIn) -> Steps:
-    """The time derivative of a frame's velocity, (6,), m/s2 and rad/s2, without gravity, from the motions of all bodies.
+    """The time derivative of a frame's velocity, (6,), m/s2 and rad/s2, without gravity, from all bodies' motions.
 
     Spatial accelerations change their place and axes as velocities do: Featherstone (2008) section 2.11.
     """
