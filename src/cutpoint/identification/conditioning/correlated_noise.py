@@ -40,7 +40,8 @@ def alike(columns: Array, residual: Array, length: int) -> Array:
     """The same for columns (N, p) times stationary noise, with the autocovariance of most of a residual (N,)."""
     edge = FARTHEST * float(np.median(np.abs(residual))) / NORMAL
     residual = np.clip(residual, -edge, edge)
-    N, size = residual.size, 1 << (2 * residual.size).bit_length()
+    N = residual.size
+    size = 1 << (N + length).bit_length()  # circular in lags that the triangle leaves out
     power = np.abs(np.fft.rfft(residual, size)) ** 2
     lags = np.minimum(np.arange(size), size - np.arange(size))
     tapered = np.fft.irfft(power, size) / N * np.maximum(1.0 - lags / length, 0.0)

@@ -1,10 +1,13 @@
 """Components of a measured deflection besides the spring's: a column of samples for each unknown."""
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from cutpoint.arrays import Array
+from cutpoint.kernels import Loop, Program, Region, Stage, compile_program
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Harmonic
@@ -47,21 +50,31 @@ def amplitude_errors(weights: Array, covariance: Array) -> Array:
 def strain_columns(deflection: Array, reaches: Array) -> Array:
     """Strains (N, k) of elements that slip beyond reaches (k,), rad, along a deflection (N,), initially zero.
 
-    Each is the deflection less its play operator.  Where the deflection is unknown, the strain is held.
+    Where the deflection is unknown, the strain is held.
     """
     known = np.isfinite(deflection)
     path = deflection[np.flatnonzero(known)[np.maximum(np.cumsum(known) - 1, 0)]]
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(path, prepend=path[:1])), append=0.0))
-    starts = np.concatenate([[0], turns])
-    strains, backwards = np.zeros((starts.size, reaches.size)), -reaches
-    for at, after, way in zip(strains[:-1], strains[1:], np.diff(path[starts]).tolist(), strict=True):
-        np.add(at, way, out=after)  # in place: a quarter of the time of a fit is spent here
-        np.maximum(after, backwards, out=after)
-        np.minimum(after, reaches, out=after)
-    # between reversals an element follows the deflection, or slips
-    before = np.searchsorted(starts, np.arange(path.size), side="right") - 1
-    way = path - path[starts[before]]
-    return np.clip(strains[before] + way[:, None], -reaches, reaches)
+    found = np.empty((path.size, reaches.size))
+    if found.size:
+        elements, started = np.array(reaches, float), {"at": path[:1].copy(), "strains": np.zeros(reaches.size)}
+        _slipping(reaches.size).run(
+            {"samples": path.size}, path=path[:, None], reaches=elements, found=found, **started
+        )
+    return found
+
+
+@lru_cache
+def _slipping(elements: int) -> Program:
+    """Follows the strains of so many elements along a path, sample by sample."""
+
+    def slip(path: Any, at: Any, strains: Any, reaches: Any) -> Any:
+        after = MaxwellSlip((), tuple(reaches)).strains(tuple(strains), path[0] - at[0])
+        return path, [*after], [*after]
+
+    stage = Stage(slip, ("path", "at", "strains", "reaches"), ("at", "strains", "found"))
+    sizes = {"path": 1, "at": 1, "strains": elements, "reaches": elements, "found": elements}
+    regions = [Region(name, size) for name, size in sizes.items()]
+    return compile_program(Loop("samples", [stage], ("path", "found")), regions, name="strains")
 
 
 def reach_columns(deflection: Array, stiffness: Array, reaches: Array) -> Array:

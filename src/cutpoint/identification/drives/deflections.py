@@ -25,6 +25,7 @@ class TorqueReading:
     band: Hz, cut-off of a filter applied to angles and torque; None if there was none.
     angle: (N,), rad, the motor's before that filter, which does not commute with waves of kinematic error; NaN where a
     channel was unknown before the filter.  None for the angle given beside the torque.
+    every: which of that angle's samples are those given beside the torque: every one, or every so many.
     """
 
     unknowns: Mapping[str, Array] = field(default_factory=dict)
@@ -33,6 +34,7 @@ class TorqueReading:
     noise: float = np.inf
     band: float | None = None
     angle: Array | None = None
+    every: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +67,11 @@ class Deflections:
 
     def waves(self, orders: Sequence[int]) -> Array:
         """Sine and cosine (N, 2 k) of k waves per turn of the motor, through the same filter as the channels."""
-        before, band = self.reading.angle, self.reading.band
+        before, band, every = self.reading.angle, self.reading.band, self.reading.every
         if before is None or band is None:
             return self._passed(wave_columns(self.ratio * self.theta, orders))
         # filtered with the samples beyond these ends, as the channels were
-        return low_pass(wave_columns(self.ratio * before, orders), self.period, band)[self.among]
+        return low_pass(wave_columns(self.ratio * before, orders), self.period / every, band)[::every][self.among]
 
     def torque_by_waves(self, orders: Sequence[int]) -> tuple[Array, Array]:
         """Derivatives (N, 2 k), N m/rad, of the torque by the waves' weights, and their part already in it, (N,).
@@ -86,7 +88,8 @@ class Deflections:
     @property
     def _angle(self) -> Array:
         """(N,), rad, of the motor, unfiltered if known."""
-        return self.theta if self.reading.angle is None else self.reading.angle[self.among]
+        before = self.reading.angle
+        return self.theta if before is None else before[:: self.reading.every][self.among]
 
     def _passed(self, values: Array) -> Array:
         """Applies the channels' filter; the ends stay unfiltered."""

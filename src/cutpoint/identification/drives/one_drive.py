@@ -45,6 +45,9 @@ TURNS = 8
 CONVERGED = 0.5
 """Standard deviations of a rotor: after a smaller change both have converged."""
 
+SAMPLED, ENOUGH = 10.0, 10_000
+"""Samples per period of a filter's cut-off, and in all, of which fewer are never kept: more say nothing new."""
+
 
 @dataclass(frozen=True, eq=False)
 class DriveEstimate:
@@ -186,25 +189,28 @@ def _from_motor(
     still, told = (min(WIDER * noise_cutoff(x, period, otherwise=highest), highest) for x in (lead, torque))
     band, shaking = clear_acceleration(joint.theta, period, min(still, told), still)
     noise = noise_density(lead, period, still) * np.sqrt(band)
-    seen = settled = False
+    every = max(1, min(int(1.0 / (SAMPLED * band * period)), lead.size // ENOUGH))
+    seen, settled, tried = False, False, [rotor]
     for turn in range(TURNS):
         laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
         share = transmitted_share(spring, joint.theta, ratio)
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
         angle = np.where(np.isfinite(channels).all(axis=0), joint.theta, np.nan)
-        theta, q, left, *columns = low_pass_together(channels, period, band)
+        theta, q, left, *columns = (x[::every] for x in low_pass_together(channels, period, band))
         seen = _is_seen(spring)
         found = dict(zip(unknowns, columns, strict=True)) if seen else {}
-        reading = TorqueReading(found, {"inertia": rotor["inertia"] * shaking**2}, share, noise, band, angle)
+        shared = {"inertia": rotor["inertia"] * shaking**2}
+        reading = TorqueReading(found, shared, share[::every], noise, band, angle, every)
         spring = two_encoders(
-            theta, q, left, period, ratio,
+            theta, q, left, period * every, ratio,
             resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
-        before, rotor = rotor, corrected(rotor, spring) if seen else rotor
+        rotor = corrected(rotor, spring) if seen else rotor
         if laws is not SHAPE:
             break
-        settled = turn > 0 and _is_near(rotor, before)
+        settled = turn > 0 and any(_is_near(rotor, before) for before in tried)  # also those that take turns
+        tried.append(rotor)
     return spring, rotor, seen
 
 

@@ -11,16 +11,13 @@ from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
+from cutpoint.identification.triangle import CHUNK, triangle
 from cutpoint.mechanics.drives.friction import Sliding
-
-CHUNK = 4096
-"""Number of samples whose regressor is in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,15 +126,6 @@ def other_side_columns(laws: Mapping[str, Sliding], motion: Motion, means: Decim
         return np.zeros((means.size, n, 0))
     sides = ([friction_columns(law, x[:, j])[1] for j, law in enumerate(laws.values())] for x in (motion.w, motion.v))
     return np.concatenate([of_joint(means(w - v), j, n) for j, (w, v) in enumerate(zip(*sides, strict=True))], axis=2)
-
-
-def triangle(rows: Array) -> Array:
-    """R (k, k) of rows (m, k) = Q R, a chunk at a time."""
-    width = rows.shape[1]
-    R = np.zeros((0, width))
-    for start in range(0, len(rows), CHUNK):
-        R = np.asarray(qr(np.concatenate([R, rows[start : start + CHUNK]]), mode="r", check_finite=False)[0])[:width]
-    return np.concatenate([R, np.zeros((width - len(R), width))])
 
 
 def reduced(rows: Array) -> tuple[Array, Array]:

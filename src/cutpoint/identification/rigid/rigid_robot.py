@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.bodies import with_parameters
-from cutpoint.identification.rigid.regression import CHUNK
+from cutpoint.identification.triangle import CHUNK
 from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import sliding_of
 from cutpoint.model.drive import Drive, Friction, KinematicError, Rotor
