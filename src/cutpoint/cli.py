@@ -10,9 +10,22 @@ from typing import Any
 
 from cutpoint.errors import INTERRUPTED, CutpointError
 
+UNREAD = 141
+"""The exit status of a command whose reader has gone, as shells have it."""
+
 
 def main() -> None:
-    """Entry point: errors, warnings and Ctrl-C as one line, without a traceback."""
+    """Entry point: errors, warnings and Ctrl-C as one line, without a traceback; `| head` ends it without a word."""
+    try:
+        _run()
+    except SystemExit as ended:
+        # Typer and Rich make 1 of it, as of an error
+        if isinstance(ended.__context__, BrokenPipeError):
+            sys.exit(UNREAD)
+        raise
+
+
+def _run() -> None:
     # what a command makes stays until its end: looking for garbage more often, and once more at the end, finds none
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)

@@ -72,6 +72,17 @@ def test_output_on_a_full_disk_is_told() -> None:
     assert done.stderr == "error: the output cannot be written: No space left on device\n"
 
 
+@pytest.mark.parametrize("arguments", [TORQUE, ("-m", "cutpoint", "--help"), ("-m", "cutpoint", "inspect", "none")])
+def test_a_reader_that_has_gone_ends_a_command_without_a_word(arguments: tuple[str, ...]) -> None:
+    unread, output = os.pipe()
+    os.close(unread)
+    stderr = output if "none" in arguments else subprocess.PIPE
+    done = subprocess.run([sys.executable, *arguments], stdout=output, stderr=stderr, check=False)
+    os.close(output)
+    # as a shell tells of a program that SIGPIPE has ended
+    assert (done.returncode, done.stderr or b"") == (141, b"")
+
+
 def test_a_long_error_in_a_file_is_one_line(tmp_path: Path) -> None:
     file = str(tmp_path / f"{'a' * 100}.urdf")
     command = [sys.executable, "-m", "cutpoint", "inspect", file]
