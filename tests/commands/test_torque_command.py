@@ -132,6 +132,13 @@ def test_the_frame_of_what_the_robot_carries_may_be_named(tmp_path: Path) -> Non
         CliRunner().invoke(app, ["torque", *at, "--carry-frame", "link3"], catch_exceptions=False)
 
 
+@pytest.mark.parametrize("given", [["2"], ["2", "0", "0", "--degrees"]])
+def test_values_that_an_option_lacks_are_named(given: list[str]) -> None:
+    refused = CliRunner().invoke(app, ["torque", "xia2019", "--q", "0,0,0,0,0,0", "--carry", *given])
+    assert refused.exit_code == 2
+    assert "'--carry'" in refused.output and re.search(r"give KG\s+X\s+Y[\s│]+Z", refused.output)
+
+
 @pytest.mark.parametrize("mass", ["-1", "nan"])
 def test_a_payload_without_a_mass_is_refused(mass: str) -> None:
     refused = CliRunner().invoke(app, ["torque", "xia2019", "--q", "0,0,0,0,0,0", "--carry", mass, "0", "0", "0"])

@@ -24,15 +24,31 @@ if TYPE_CHECKING:
     from cutpoint.simulation import Log
 
 
+UsageError: Any = typer.BadParameter.__base__
+"""Typer's own class or Click's, which one depends on Typer's version."""
+
+
 class Commands(TyperGroup):
     """All commands; Ctrl-C ends one with a line that says so, and what its KeyboardInterrupt knows of files."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
+        except UsageError as refused:
+            self._name_values(refused)
+            raise
         except KeyboardInterrupt as stopped:
             typer.echo("; ".join(["interrupted", *map(str, stopped.args)]), err=True)
             raise typer.Exit(INTERRUPTED) from stopped
+
+    def _name_values(self, refused: Any) -> None:
+        """Adds to an error on an option of several values which they are: Typer tells how many."""
+        options = [x for command in self.commands.values() for x in command.params if x.nargs > 1]
+        named = getattr(refused, "option_name", None)
+        for option in options:
+            if named in option.opts or getattr(refused, "param", None) is option:
+                refused.message = f"{refused.message.rstrip('.')}: give {option.metavar}"
+                return
 
 
 app = typer.Typer(
