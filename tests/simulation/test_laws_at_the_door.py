@@ -99,6 +99,6 @@ def test_a_step_that_finds_no_memory_is_told_that_there_is_no_start():
     def counting(memory: Any, m: Any, r: Any) -> Any:
         return memory["n"] + 1, 0.0
 
-    with warnings.catch_warnings(), pytest.raises(TypeError, match=r"counting was given the memory \(\), having no st"):
+    with warnings.catch_warnings(), pytest.raises(TypeError, match=r"counting has no start\(\), so .* whose start\(\)"):
         warnings.simplefilter("ignore", UntracedControllerWarning)
         run(counting)

@@ -165,7 +165,8 @@ def _returned(law: Controller, memory: Any, measurement: Measurement, reference:
         if isinstance(error, AttributeError) and isinstance(error.obj, Measurement | Reference):
             error.add_note(f"a {type(error.obj).__name__} has {', '.join(error.obj._fields)}")
         elif isinstance(memory, tuple) and not memory:
-            error.add_note(f"step of {name_of(law)} was given the memory (), having no start() that gives another")
+            told = f"{name_of(law)} has no start(), so its step was given the memory ()"
+            error.add_note(f"{told}: a law with memory is a class whose start() returns it before the first step")
         raise
 
 
