@@ -145,16 +145,17 @@ def test_no_word_is_broken_on_a_terminal_of_80_columns(
 
 @pytest.mark.parametrize("width", [200, 60, 40, 33, 32, 20, 12])
 def test_a_table_is_no_wider_than_its_place_and_loses_nothing(width: int) -> None:
-    """Words are whole as long as there is room for the longest of each column."""
+    """Words are whole as long as there is room for them: where that is not in columns, rows become lists."""
     rows = [("left_shoulder", "0.25 to 0.75 rad", "stribeck, with load"), ("elbow", "-1.5 to 1 rad", "coulomb")]
     columns = (Column(header, overflow="fold") for header in ("joint", "range between limits", "friction"))
-    table, written = Table(*columns), StringIO()
+    table, written = Table(*columns, title="joints"), StringIO()
     for row in rows:
         table.add_row(*row)
     print_table(table, Console(width=width, file=written))
     shown, text = written.getvalue(), " ".join(itertools.chain(*rows))
     assert max(map(len, shown.splitlines())) <= width
-    assert (set(text.split()) <= set(shown.split())) == (width >= 33)
+    assert (set(text.split()) <= set(shown.split())) == (width > len("left_shoulder"))
+    assert ("range between limits: 0.25" in shown) == (width == 32)
     assert all(shown.count(digit) == text.count(digit) for digit in "012457")
 
 
