@@ -16,6 +16,7 @@ from cutpoint.control import PD, ComputedTorque
 from cutpoint.control.stability.sampled_loop import small_signal
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.model.tool import tool_frame_of
+from cutpoint.reporting import standing
 from cutpoint.studies.compare import bench_of, panda, run
 from cutpoint.studies.compare.contenders import CONTENDERS
 from cutpoint.studies.compare.findings import findings
@@ -46,6 +47,17 @@ def test_a_page_counts_its_runs(folder: Path, tmp_path: Path):
     run(tmp_path, seeds=1, laws=(), scenarios=("nominal",), progress=False)
     pages = [(place / "index.html").read_text(encoding="utf-8") for place in (folder, tmp_path)]
     assert "there are 2 runs, and the worst counts." in pages[0] and "there is 1 run." in pages[1]
+
+
+def test_long_work_says_how_far_it_is_where_nobody_sees_a_bar(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(standing, "EVERY", 0.0)
+    for progress in (True, False):
+        run(tmp_path, seeds=1, laws=(), scenarios=("nominal",), progress=progress)
+        told = capsys.readouterr().err.splitlines()
+        assert told[:1] == ["tuning PD, 0 % done"] * progress
+        assert told[-1:] == ["as modelled: PD, 100 % done"] * progress
 
 
 def test_laws_are_as_stiff_as_the_pd_within_a_hundredth(results):

@@ -4,25 +4,10 @@ import time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.progress import Progress, TaskID
 
 SHOWN_AFTER, EVERY = 1.0, 0.1
 """s: before a bar appears, and between its updates."""
-
-
-def progress_bar(*, shown: bool = True) -> "Progress":
-    """A bar that is gone once its work is done."""
-    from rich.console import Console  # slow to import
-    from rich.progress import Progress
-
-    console = Console(stderr=True)
-    return Progress(console=console, transient=True, disable=not (shown and is_seen(console)))
-
-
-def is_seen(console: "Console") -> bool:
-    """Whether somebody sees a bar there; elsewhere Rich would leave an empty line of it."""
-    return console.is_interactive or console.is_jupyter
 
 
 class Bar:
@@ -40,7 +25,9 @@ class Bar:
             return
         self._next = now + EVERY
         if self._progress is None:
-            self._progress = progress_bar()
+            from cutpoint.reporting.standing import Standing  # slow to import
+
+            self._progress = Standing(lines=False)
             self._progress.start()
             self._task = self._progress.add_task(self._what, total=self._total)
         self._progress.update(self._task, completed=done)

@@ -1,12 +1,11 @@
-"""A progress bar on stderr for slow steps."""
+"""The stand of slow steps on stderr."""
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from cutpoint.reporting.bar import is_seen
+from cutpoint.reporting.standing import Standing
 
 
-class Steps(Progress):
+class Steps(Standing):
     """Called with the name of a step, which ends the one before."""
 
     def __init__(self, count: int, shown: bool) -> None:
@@ -17,8 +16,7 @@ class Steps(Progress):
             TimeElapsedColumn(),
             TextColumn("{task.description}", markup=False),
         )
-        console = Console(stderr=True)
-        super().__init__(*columns, console=console, transient=True, disable=not (shown and is_seen(console)))
+        super().__init__(*columns, shown=shown)
         self._task = self.add_task("", total=count, completed=-1, visible=False)
 
     def expect(self, more: int) -> None:

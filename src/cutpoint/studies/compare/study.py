@@ -8,9 +8,9 @@ from typing import Any
 from rich.progress import Progress
 
 from cutpoint.errors import unknown_name
-from cutpoint.reporting.bar import progress_bar
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
+from cutpoint.reporting.standing import Standing
 from cutpoint.reporting.style import styled
 from cutpoint.reporting.terminal import say, show
 from cutpoint.robots import xia2019
@@ -55,7 +55,7 @@ def run(
         seeds = min(seeds, QUICK_SEEDS)
         plans = [plan for plan in plans if plan.key != "slow" or scenarios is not None]
     results = Results()
-    with styled(), progress_bar(shown=progress) as bar:
+    with styled(), Standing(shown=progress) as bar:
         try:
             compare(bench, results, chosen, plans, seeds, bar)
         except KeyboardInterrupt:

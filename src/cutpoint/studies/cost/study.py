@@ -6,9 +6,9 @@ from typing import Any
 
 from cutpoint.door import whole
 from cutpoint.errors import InputError
-from cutpoint.reporting.bar import progress_bar
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
+from cutpoint.reporting.standing import Standing
 from cutpoint.reporting.style import styled
 from cutpoint.reporting.terminal import say, show
 from cutpoint.studies.cost.measure import ARM, BATCH, measured
@@ -44,7 +44,7 @@ def run(output: Path, *, largest: int = SIZES[-1], progress: bool = True) -> dic
         rule = f"must be at most {SIZES[-1]}, the largest size of the contenders"
         raise InputError(f"cost: largest {largest} {rule}", largest=largest)
     sizes = [*(n for n in SIZES if n < largest), largest]
-    with styled(), progress_bar(shown=progress) as bar:
+    with styled(), Standing(shown=progress) as bar:
         task = bar.add_task("chains", total=sum(sizes))
         costs = measured(sizes, lambda n: bar.advance(task, n))
         pages = [page_of(costs), verdict_page(costs)]

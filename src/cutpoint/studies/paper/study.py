@@ -7,10 +7,10 @@ from typing import Any
 from rich.progress import Progress
 
 from cutpoint.errors import SimulationError
-from cutpoint.reporting.bar import progress_bar
 from cutpoint.reporting.folder import checked_folder, write
 from cutpoint.reporting.html import Heading
 from cutpoint.reporting.page import Page
+from cutpoint.reporting.standing import Standing
 from cutpoint.reporting.style import styled
 from cutpoint.reporting.terminal import show
 from cutpoint.studies.paper import catalogue, effects, link_side, schematics, table_3, table_4, table_5, torque_estimate
@@ -54,7 +54,7 @@ def run(output: Path, *, progress: bool = True) -> dict[str, Any]:
         InputError: output is no folder, cannot be written, or holds a report by others.
     """
     output = checked_folder(output, "results.json", "paper")
-    with styled(), progress_bar(shown=progress) as bar:
+    with styled(), Standing(shown=progress) as bar:
         pages = _made(bar)
         drawing = bar.add_task("writing the report", total=None)
         results = write(output, _HEADING, pages, _SETTINGS, "results.json", "paper")
