@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 import pytest
+from two_joints import two_joints
 
 from cutpoint.identification.output.error_warnings import unit_notes, warnings_of
+from cutpoint.identification.output.pictures import torque_picture
 from cutpoint.identification.output.torque_errors import TorqueErrors
 
 TIME = 0.01 * np.arange(4000)
@@ -22,6 +24,20 @@ def said(after: object = 0.1, plain: object = 0.1, before: object = 1.0, speed: 
     models = [(TORQUE - noise * size)[:, None] for noise, size in zip(NOISE, (before, after, plain), strict=True)]
     v = np.broadcast_to(np.asarray(speed), TIME.shape)[:, None]
     return warnings_of(TorqueErrors(TIME, TORQUE[:, None], *models, 0.0 * v, v, 0.0 * v, HELD, 10.0), {"elbow": "N m"})
+
+
+def test_torque_is_drawn_where_the_models_are() -> None:
+    """Not at the ends of the log, where filters leave the motion unknown; a gap stays one."""
+    model = np.where((TIME > 1.0) & (TIME < 39.0) & (np.abs(TIME - 20.0) > 1.0), TORQUE, np.nan)
+    model, torque = (np.repeat(x[:, None], 2, axis=1) for x in (model, TORQUE))
+    still = np.zeros_like(model)
+    errors = TorqueErrors(TIME, torque, *[model] * 3, still, still, still, HELD, 10.0)
+    panel = torque_picture(errors, two_joints()).axes[0]
+    measured, *models = (line.get_xydata() for line in panel.get_lines())
+    for drawn in models:
+        known = np.isfinite(drawn[:, 1])
+        assert drawn[known][0, 0] == measured[0, 0] and drawn[known][-1, 0] == measured[-1, 0]
+    assert np.isfinite(measured).all() and np.ptp(panel.get_xlim()) == pytest.approx(38.0, abs=0.1)
 
 
 def test_a_model_that_carries_over_is_not_spoken_of():

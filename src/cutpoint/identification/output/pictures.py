@@ -20,19 +20,20 @@ LARGEST_PART = 99.5
 
 
 def torque_picture(errors: TorqueErrors, robot: Robot) -> Figure:
-    """Measured torque over time, and both models; the held-out part on a grey background."""
+    """Measured torque over time, and both models, where the motion is known; the held-out part on a grey background."""
     joints, units = robot.joints, at_joints(robot, "N m")
     figure = Figure(figsize=(WIDTH, 0.6 + ROW * len(joints)), layout="constrained")
     panels = list(figure.subplots(len(joints), 1, sharex=True, squeeze=False).flat)
-    some = thinned(errors.time.size)
+    some = np.flatnonzero(np.isfinite(errors.after).any(axis=1))
+    some = np.arange(some[0], some[-1] + 1)[thinned(some.size)] if some.size else some
     time = errors.time[some]
     for j, (axes, joint) in enumerate(zip(panels, joints, strict=True)):
         # wider and paler than the models on top of it, which might otherwise hide it
         axes.plot(time, errors.measured[some, j], color=INK, linewidth=2.6, alpha=0.4, label="measured")
         axes.plot(time, errors.before[some, j], color=FAINT, linewidth=1.0, linestyle="--", label="the files' model")
         axes.plot(time, errors.after[some, j], color=LINK, linewidth=1.0, label="identified model")
-        if errors.held_out.any():
-            axes.axvspan(errors.time[errors.held_out][0], errors.time[-1], color=HAIR, alpha=0.5, linewidth=0.0)
+        if errors.held_out[some].any():
+            axes.axvspan(time[errors.held_out[some]][0], time[-1], color=HAIR, alpha=0.5, linewidth=0.0)
         titled(axes, f"{joint}: torque [{units[joint]}]")
         axes.margins(x=0.0)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
