@@ -108,7 +108,7 @@ def test_a_trajectory_of_ones_own_keeps_its_array():
 
 
 def test_it_says_what_it_holds():
-    assert repr(example()).startswith("Log(50 samples from 0 s to 2 s: q [('rad', 'rad', 'm')]")
+    assert repr(example()).startswith("Log(50 samples from 0 s to 2 s: q [rad or m]")
 
 
 @pytest.mark.parametrize("ending", ["npz", "csv"])

@@ -11,6 +11,7 @@ import numpy as np
 from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_names, checked_numbers, number, path_of
 from cutpoint.errors import InputError, unknown_name
+from cutpoint.joint_units import either
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,7 +97,8 @@ class Log:
         return name in self.channels
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{name} [{self.units[name]}]" for name in self.channels)
+        units = {name: unit if isinstance(unit, str) else either(unit) for name, unit in self.units.items()}
+        shown = ", ".join(f"{name} [{units[name]}]" for name in self.channels)
         return f"Log({self.time.size} samples from {self.time[0]:g} s to {self.time[-1]:g} s: {shown})"
 
     def columns(self, name: str) -> tuple[tuple[str, str], ...]:
