@@ -183,8 +183,9 @@ def test_a_wrong_file_is_refused_at_its_line(tmp_path: Path, text: str, message:
 
 def test_an_unknown_joint_is_refused_and_the_known_are_listed(tmp_path: Path):
     path = written(tmp_path, "t,a,b,c")
-    with pytest.raises(InputError, match=r"no column is named 'wrist'; there are: 'a', 'b', 'c' \(.*motion.csv\)"):
-        from_csv(path, ["a", "wrist"])
+    told = r"no column is named 'wrist', 'elbow'; there are: 'a', 'b', 'c'; name .* or lock .* \(.*motion.csv\)"
+    with pytest.raises(InputError, match=told):
+        from_csv(path, ["a", "wrist", "elbow"])
     with pytest.raises(InputError, match=r"path must be the path of a file, got None"):
         from_csv(None)  # type: ignore[arg-type]
     for wrong in ("wrist", 3, np.array(3)):

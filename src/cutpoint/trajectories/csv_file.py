@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cutpoint.door import checked_names, path_of
-from cutpoint.errors import InputError, listed, unknown_name
+from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.stated_units import ANGLES, LENGTHS, TIMES, name_and_unit
 from cutpoint.model.validation import DEGREES_BEYOND
@@ -90,9 +90,10 @@ def _read(
     head, titles = next(table, (f"{path}:1", list[str]()))
     second, columns = _header(titles, head)
     names = [column.name for column in columns]
-    for name in asked or ():
-        if name not in names:
-            raise unknown_name("column", name, names, place=path)
+    if missing := [name for name in asked or () if name not in names]:
+        told = f"no column is named {listed(missing)}; {those_that_exist(missing[0], names)}"
+        rule = "name the missing, or lock joints that stand still (lock= of load, --lock)"
+        raise InputError(f"{told}; {rule}", name=missing[0], known=names, place=path)
     if sliding is not None:  # of joints that nobody asks for it is not known whether they slide
         columns = [_held_against(x, sliding, head) if x.name in (asked or names) else x for x in columns]
     rows: list[list[float]] = []
