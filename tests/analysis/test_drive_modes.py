@@ -165,6 +165,14 @@ def test_a_rigid_robot_has_no_drive_modes_and_says_so(drives):
         found.plot()
 
 
+def test_both_sides_of_a_rigid_drive_are_drawn_in_phase():
+    figure = robot("xia2019").with_drives({"joint4": Drive(ratio=100.0)}).modes(np.full(6, 0.5)).plot()
+    for k in range(6):
+        link, motor = (line.get_ydata() for line in figure.axes[2 * k + 1].get_lines()[:2])
+        apart = np.nanmax(np.abs(np.subtract(link, motor)))
+        assert apart == 0.0 if k == 3 else apart >= 90.0
+
+
 def test_the_joint_that_bends_most_is_named_first():
     found = robot("xia2019").modes(np.zeros(6))
     for k in range(6):

@@ -86,8 +86,10 @@ def _mark(axes: Axes, frequencies: Array, marker: str, height: float) -> None:
 
 
 def _phase(axes: Axes, response: FrequencyResponse) -> None:
-    for values, colour in ((response.link_velocity, LINK), (response.motor_velocity, MOTOR)):
-        lowest = -180.0 if colour == MOTOR else LINK_LAGS
+    # a rigid drive's link lags no more than its motor
+    rigid = np.allclose(response.link_velocity, response.motor_velocity, rtol=1e-9, atol=0.0)
+    both = ((response.link_velocity, LINK, -180.0 if rigid else LINK_LAGS), (response.motor_velocity, MOTOR, -180.0))
+    for values, colour, lowest in both:
         axes.semilogx(response.frequencies, _degrees(values, lowest), color=colour, linewidth=1.2)
     axes.set_ylim(-330, 110)
     axes.set_yticks([-270, -180, -90, 0, 90])
