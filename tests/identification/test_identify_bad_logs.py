@@ -71,6 +71,18 @@ def test_a_wrong_unit_leads_and_what_follows_from_it_is_counted_and_in_the_repor
     assert "elbow: the model misses its torque by" in (tmp_path / "out" / "report.html").read_text()
 
 
+def test_a_counter_that_was_set_anew_leads_and_what_follows_from_it_is_in_the_report(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", elbow("q", lambda x: np.where(TIME < 3.0, x, x - 0.4)))
+    status, text = run(files, log, tmp_path / "out")
+    jump, others = text[: text.index("not identified: ")].split("warning: ")[1:]
+    assert status == 0
+    assert re.match(
+        r"positions jump and stay there, .*: q of elbow by -0\.4 rad \(m\) at 3 s: use the log before or", jump
+    )
+    assert re.match(r"\d+ further doubts? may follow from this, see the report: correct it first", others)
+    assert "note: positions jump" not in text
+
+
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
     both = channels()
     log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])

@@ -51,6 +51,43 @@ def test_no_channel_of_a_joint_that_only_its_spring_moves_is_taken_for_another_u
     assert read(**{name: elbow(name, values) for name, values in still.items()}).notes == ()
 
 
+@pytest.mark.parametrize("every", [1, 10])
+@pytest.mark.parametrize("by", [0.02, -0.5])
+@pytest.mark.parametrize("name", ["q", "theta"])
+def test_positions_that_jump_and_stay_are_named_with_time_and_size(name: str, by: float, every: int):
+    after = by * (np.arange(T.size) >= 1700)
+    log = read(**{name: elbow(name, GOOD[name][:, 1] + after)}).with_channels(lambda x: x[::every], time=T[::every])
+    told = f"{name} of elbow by {by:.2g} rad (m) at {T[1700]:.4g} s: use the log before or after that"
+    assert any(told in note for note in suspicions(log)), suspicions(log)
+
+
+def test_motors_that_count_from_another_zero_after_a_gap_are_named():
+    theta = GOOD["theta"] + (np.arange(T.size) >= 1500)[:, None] * [0.0, 0.1]
+    kept = np.abs(T - T[1500]) > 0.1
+    log = read(theta=theta).with_channels(lambda x: x[kept], time=T[kept])
+    assert [note for note in suspicions(log) if "theta less q of elbow by 0.1 rad (m) at 1.6" in note]
+
+
+@pytest.mark.parametrize("kind", ["coarse", "held", "corners", "spikes", "jitter", "gap"])
+def test_no_jump_is_seen_in_coarse_held_or_fast_positions_nor_across_gaps(kind: str):
+    rng, time = np.random.default_rng(1), T
+    changed = {name: np.array(GOOD[name]) for name in ("q", "theta")}
+    for name, x in changed.items():
+        if kind == "coarse":
+            changed[name] = np.round(x / 0.01) * 0.01
+        elif kind == "held":
+            changed[name] = x[np.arange(T.size) // 10 * 10]
+        elif kind == "corners":  # a speed that changes from one sample to the next
+            changed[name] = np.abs((T / 3.0) % 2.0 - 1.0)[:, None] * [1.0, 2.0]
+        elif kind == "spikes":
+            x[[500, 1500, 1501]] += 0.3
+    if kind == "jitter":
+        time = np.sort(T + rng.uniform(-0.4, 0.4, T.size) * T[1])
+    keep = np.abs(T - T[1500]) > 0.2 if kind == "gap" else T >= 0.0
+    log = Recording(time[keep], JOINTS, **{name: x[keep] for name, x in changed.items()})
+    assert not [note for note in suspicions(log) if "jump" in note]
+
+
 @pytest.mark.parametrize(
     ("changed", "note"),
     [

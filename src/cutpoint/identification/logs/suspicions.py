@@ -8,6 +8,7 @@ from scipy.ndimage import binary_erosion
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
+from cutpoint.identification.logs.jumps import MOST_DEFLECTION, jump_notes
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.spikes import SELDOM, without_spikes
@@ -23,9 +24,6 @@ IN_A_ROW = 5
 
 TURNS = 4.0
 """Turns: positions of an arm hardly span more."""
-
-MOST_DEFLECTION = 0.02
-"""rad: no drive's spring deflects this far at rest."""
 
 UNLIKE = 10.0
 """Times as far as nearly all others: such samples are false."""
@@ -127,7 +125,7 @@ def _likely_unit(slides: bool, x: Array, recording: Recording, robot: Robot) -> 
 
 def suspicions(recording: Recording) -> list[str]:
     """A note on each thing that looks wrong, naming its joints."""
-    notes: list[str] = []
+    notes = jump_notes(recording)
     for name in recording.channels:
         notes += _noted(recording, name, "holds no numbers", lambda x: not np.isfinite(x).any())
         notes += _noted(recording, name, "lacks some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)

@@ -18,6 +18,7 @@ from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
+from cutpoint.identification.logs.jumps import JUMPED
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
@@ -181,7 +182,9 @@ def _identification(
     rigid, sprung = found.rigid, found.drives
     after, words = _joined(rigid.robot, sprung)
     words += _one_sided(before, recording)
-    odd = [*contradictions(recording)]
+    # of the log as it was read: resampled, a jump is less clear
+    jumps = [note for note in recording.notes if JUMPED in note]
+    odd = [*jumps, *contradictions(recording)]
     causes = (*swap_notes(before, recording, errors, rigid.cutoff), *unit_notes(errors, before.joints))
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
@@ -195,7 +198,7 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        causes=causes,
+        causes=(*jumps, *causes),
         doubts=(*odd, *causes, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
         notes=tuple(note for note in notes if not note.endswith(tuple(odd))),
     )
