@@ -100,6 +100,8 @@ def test_each_thing_that_is_wrong_is_said_with_its_joint(errors: dict[str, objec
         ([1.3, 1.0, 0.7], None),
         ([1e3, 1e3, 1e3], "pan 1e+03 times, lift 1e+03 times, roll 1e+03 times"),
         ([1.0, 0.01, 1.0], "lift 0.01 times"),
+        ([1e3, 1e3, np.nan], "pan 1e+03 times, lift 1e+03 times"),
+        ([1.0, 1.0, np.nan], None),
     ],
 )
 def test_torques_in_another_unit_are_named_with_the_factor(scale: list[float], said: str | None):

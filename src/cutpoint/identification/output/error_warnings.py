@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from cutpoint.identification.output.block_bootstrap import Ratio
-from cutpoint.identification.output.torque_errors import TorqueErrors
+from cutpoint.identification.output.torque_errors import TorqueErrors, mean_known
 
 WORSE = 2.0
 """Times the error on the fitted part: with a larger one on the rest, the model does not generalise."""
@@ -60,10 +60,10 @@ def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
 
 def unit_notes(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     """A sentence on torques of a size that no masses explain: of all joints, or of those whose are like the files'."""
-    measured, files = (np.sqrt(np.nanmean(x**2, axis=0)) for x in (errors.measured, errors.before))
+    measured, files = (np.sqrt(mean_known(x**2)) for x in (errors.measured, errors.before))
     times = measured / np.maximum(files, TINY)
     unlike = (times > UNLIKE) | (times < 1.0 / UNLIKE)
-    if not unlike.all():
+    if not unlike[np.isfinite(times)].all():
         unlike &= np.diag(errors.likeness()) > ALIKE
     if not unlike.any():
         return []

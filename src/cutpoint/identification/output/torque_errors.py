@@ -57,7 +57,7 @@ class TorqueErrors:
 
     def size(self) -> Array:
         """(n,) N m: RMS of the measured torques about their mean, on the fitted part."""
-        return self._rms(self.measured - np.nanmean(self.measured[~self.held_out], axis=0), False)
+        return self._rms(self.measured - mean_known(self.measured[~self.held_out]), False)
 
     def likeness(self) -> Array:
         """(n, n) correlation of each joint's measured torques (rows) with those of each by the robot's files, on the
@@ -100,9 +100,13 @@ class TorqueErrors:
         return start, length
 
     def _rms(self, values: Array, held_out: bool) -> Array:
-        squares = np.square(values[self.held_out == held_out])
-        known = np.isfinite(squares).sum(axis=0)
-        return np.sqrt(np.nansum(squares, axis=0) / np.where(known, known, np.nan))
+        return np.sqrt(mean_known(np.square(values[self.held_out == held_out])))
+
+
+def mean_known(values: Array) -> Array:
+    """Mean over rows (N, n) without unknown values, (n,); NaN where there are no others."""
+    known = np.isfinite(values).sum(axis=0)
+    return np.nansum(values, axis=0) / np.where(known, known, np.nan)
 
 
 def torque_errors(
