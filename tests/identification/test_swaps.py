@@ -1,4 +1,4 @@
-"""Two joints whose columns are swapped are named, and what is swapped."""
+"""Two joints whose columns are swapped are named, and joints with the wrong sign; and what is."""
 
 from dataclasses import replace
 
@@ -25,3 +25,21 @@ def test_two_joints_whose_columns_are_swapped_are_named_with_what_is_swapped(
     first, second = (KNOWN.robot.joints[j] for j in np.flatnonzero(np.array(order) != np.arange(4)))
     told = f"columns of {what} of {first} and {second} look swapped: exchanged, they fit what the files predict"
     assert [doubt for doubt in doubts if "swapped" in doubt] == ([told] if channels else [])
+
+
+@pytest.mark.parametrize("joint", [0, 1, 3])
+@pytest.mark.parametrize("name", ["q", "torque"])
+def test_a_joint_of_which_a_sign_is_reversed_is_named_with_what_is_reversed(joint: int, name: str):
+    signs = np.where(np.arange(4) == joint, -1.0, 1.0)
+    causes = identify(KNOWN.file, replace(LOG, **{name: LOG[name] * signs}), friction="stated", hold_out=0.0).causes
+    what = {"q": "positions", "torque": "torques"}[name]
+    told = f" of {KNOWN.robot.joints[joint]} look reversed: turned round, they fit what the files predict"
+    assert len(causes) == 1 and causes[0].startswith("signs of ") and causes[0].endswith(told)
+    assert what in causes[0]
+
+
+def test_all_joints_whose_torques_are_reversed_are_named():
+    causes = identify(KNOWN.file, replace(LOG, torque=-LOG["torque"]), friction="stated", hold_out=0.0).causes
+    assert len(causes) == 1 and causes[0].startswith(
+        f"signs of torques of {', '.join(KNOWN.robot.joints)} look reversed"
+    )
