@@ -6,8 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drive_benches import RATIO, pendulum, swung
+from simulated_logs import motion
+from two_joints import two_joints
 
 import cutpoint
+from cutpoint.identification import Recording, identify_rigid
 from cutpoint.identification.drives import DriveEstimates, identify_drives
 
 STIFFNESS, INERTIA, DURATION = 3e3, 0.5, 8.0
@@ -137,3 +140,20 @@ def test_a_current_that_only_accelerates_does_not_tell_how_much_torque_it_is():
     currents = replace(recording, torque=None, current=0.2 * np.array(recording["torque"]))
     failed = identify_drives(wheel, currents).failed
     assert re.match(r"gain .* N m/A at the joint is uncertain by more than 10%: .*, or give torques", failed["axle"])
+
+
+def test_motors_that_reverse_beside_their_links_are_not_taken_for_friction():
+    """The shoulder's rotor cannot be told from its link: a rigid fit takes them to move alike."""
+    law = cutpoint.Coulomb(6.0, 4.0, 0.02)
+    drive = cutpoint.Drive(100.0, cutpoint.Rotor(2e-4), cutpoint.LinearSpring(7000.0), damping=3.0, motor_friction=law)
+    arm = two_joints()
+    robot = arm.with_drives(dict.fromkeys(arm.joints, drive))
+    control = cutpoint.control.PD([400.0, 400.0], [40.0, 40.0], side="motor")
+    log = cutpoint.simulate(robot, control, motion(1, 2))
+    torque = log["motor_torque"].copy()
+    torque[1:] = 0.5 * (torque[1:] + torque[:-1])  # a command is held over a period
+    torque += 0.02 * np.random.default_rng(1).normal(size=torque.shape)
+    found = identify_rigid(robot, Recording(log.time, log.joints, q=log["q"], theta=log["theta"], torque=torque))
+    for choice in found.friction:
+        assert choice.family == "coulomb"
+        assert choice.compared["coulomb"].error < 0.01  # 0.003 N m is noise

@@ -20,7 +20,7 @@ from cutpoint.identification.rigid.arguments import (
     checked_errors,
     checked_friction,
 )
-from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters
+from cutpoint.identification.rigid.base_parameters import BaseParameters, base_parameters, rotor_sizes
 from cutpoint.identification.rigid.friction_choice import FrictionChoice, choose_friction
 from cutpoint.identification.rigid.friction_shape import best_shapes, shape_slopes
 from cutpoint.identification.rigid.instrumental import LATER, instrumental_variables
@@ -214,7 +214,8 @@ def _estimate(found: Regression, method: Method, instruments: Array | None, *bes
 def _choices(base: BaseParameters, log: TorqueData, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
     """The law of each moving joint, from its torques less those of the links.
 
-    The links' torques come from a fit with the stated laws, and are uncertain by its deviations.
+    The links' torques come from a fit with the stated laws, and are uncertain by its deviations.  That fit lumps some
+    rotors with their links: where friction reverses, their motors move otherwise, which counts as uncertain too.
     """
     laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
     first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
@@ -222,9 +223,11 @@ def _choices(base: BaseParameters, log: TorqueData, loads: Array, offsets: bool)
     variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
     likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
     torque = first.torque - first.columns[..., :b] @ estimate.values[:b]
-    speeds = sliding_speeds(base.robot, log.motion)
+    speeds, apart = sliding_speeds(base.robot, log.motion), np.zeros(len(base.robot.joints))
+    apart[[*base.rotors]] = WRONG * rotor_sizes(base)[0]
+    winding = log.means((log.motion.w_dot - log.motion.a) * apart)
     for j, joint in enumerate(base.robot.joints):
-        speed, others = speeds[:, j], first.columns[:, j, :b] @ likely
+        speed, others = speeds[:, j], np.column_stack([first.columns[:, j, :b] @ likely, winding[:, j]])
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
             own, load, law = torque[:, j], loads[:, j], laws[joint] if is_stated(base.robot, joint) else None
