@@ -1,6 +1,7 @@
 """Single drives: laws of springs, torque constants, frequency responses, loops with a locked output."""
 
 import re
+import sys
 from functools import cache
 
 import numpy as np
@@ -157,6 +158,21 @@ def test_deviations_cover_the_errors_that_the_encoders_make():
         found = two_encoders(*channels(SPRINGS["linear"], seed), PERIOD, RATIO, laws=["linear"], hysteresis=False)
         errors.append((found.values[0] - 12e3) / found.deviations["stiffness"])
     assert 0.3 < np.sqrt(np.mean(np.square(errors))) < 2.5
+
+
+def test_elements_that_two_fits_share_count_once_as_uncertainty(monkeypatch: pytest.MonkeyPatch):
+    """Hysteresis that the noise does not exclude is the same, whether four or eight elements are offered."""
+    time = 1e-3 * np.arange(6000)
+    torque = 40.0 * np.sin(1.7 * time + 0.3) + 15.0 * np.sin(4.1 * time + 2.0) + 8.0 * np.sin(23.0 * time)
+    q = 0.8 * np.sin(1.7 * time) + 0.5 * np.sin(4.1 * time + 1.0)
+    theta = q + torque / 5e3 + 2e-5 * np.random.default_rng(15).normal(size=time.size)
+    deviations = []
+    for offered in ((0, 8), (0, 4, 8)):
+        monkeypatch.setattr(sys.modules[two_encoders.__module__], "OFFERED", offered)
+        found = two_encoders(theta, q, torque, 1e-3, RATIO, resolution=1e-6, laws=["linear"])
+        deviations.append(found.deviations["stiffness"])
+    assert deviations[0] > 0.4  # 0.2 without hysteresis
+    assert deviations[1] == pytest.approx(deviations[0], rel=0.05)
 
 
 @pytest.mark.parametrize("frequency", [5.0, 50.0])

@@ -88,8 +88,8 @@ def estimate_of(
 ) -> SpringEstimate:
     """Estimates of the fit that predicts best, and which of them are not significant.
 
-    rivals: fits by the number of elements offered; the fewest or the most are taken, and fits that do not predict
-    significantly worse count as uncertainty.
+    rivals: fits by the number of elements offered; the fewest or the most are taken, and the mean square difference of
+    those that do not predict significantly worse counts as uncertainty.
     """
     fit, names, spread = _chosen(rivals, orders, unknowns, damping)
     hidden = attenuation(data, fit)
@@ -132,9 +132,11 @@ def _chosen(
     best = simplest({count: errors[count] for count in (min(errors), max(errors))})
     fit, names = rivals[best], _names(rivals[best], orders, unknowns, damping)
     spread = covariance(fit.columns, fit.residual)
-    for other in (rivals[count] for count in not_worse(errors, best)):
+    others = [rivals[count] for count in not_worse(errors, best)]
+    for other in others:
         differences = _differences(names, fit.values, _names(other, orders, unknowns, damping), other.values)
-        spread = spread + np.outer(differences, differences)
+        # not their sum: of whatever number that is offered, the same elements are often left
+        spread = spread + np.outer(differences, differences) / len(others)
     return fit, names, spread
 
 
