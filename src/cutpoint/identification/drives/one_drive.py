@@ -45,7 +45,7 @@ TURNS = 8
 CONVERGED = 0.5
 """Standard deviations of a rotor: after a smaller change both have converged."""
 
-SAMPLED, ENOUGH = 10.0, 10_000
+SAMPLED, ENOUGH = 10.0, 2_000
 """Samples per period of a filter's cut-off, and in all, of which fewer are never kept: more say nothing new."""
 
 
