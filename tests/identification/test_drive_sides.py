@@ -91,6 +91,20 @@ def test_friction_on_both_sides_is_shared_out():
     assert joint.drive.link_friction.coulomb == pytest.approx(2.0, rel=0.03)
 
 
+def test_a_peak_of_link_friction_at_rest_does_not_look_like_clocks_that_differ():
+    """Friction that falls as speed grows: a straight line through it would push at speed."""
+    law = cutpoint.Stribeck(1.0, 10.0, 0.2, 0.8, 0.05)
+    robot = pendulum()
+    recording = swung(robot, replace(TRUE, link_friction=law), DURATION)
+    stated = replace(law, coulomb=3.0, static=12.0)
+    found = identify_drives(robot.with_drives({"axle": replace(robot.drives["axle"], link_friction=stated)}), recording)
+    assert not found.doubts
+    own = found.joints["axle"].drive.link_friction
+    assert own.coulomb == pytest.approx(law.coulomb, rel=0.02)
+    assert own.static == pytest.approx(law.static, rel=2e-3)
+    assert own.viscous == pytest.approx(law.viscous, rel=0.05)
+
+
 @pytest.mark.parametrize(("late", "other"), [("link", "motor"), ("motor", "link")])
 def test_an_encoder_that_is_late_is_named_and_friction_is_not_told(late: str, other: str):
     """A link's encoder that is 1.5 ms late takes 4.5 N m s/rad from the motor's 3, a motor's gives it as much."""

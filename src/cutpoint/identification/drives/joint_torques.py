@@ -40,7 +40,7 @@ def link_torque(robot: Robot, q: Array, period: float, cutoff: float) -> tuple[A
 
 
 def beyond_coulomb(law: Friction | None, speed: Array, load: Array) -> Array:
-    """(N,) N m: a motor's friction in excess of Coulomb's, by its known law.
+    """(N,) N m: friction of one side in excess of Coulomb's, by its known law.
 
     speed: (N,), rad/s.  load: (N,), N m, transmitted by the drive.
     """

@@ -1,6 +1,6 @@
 """Link friction, which unlike the motor's deflects the spring: its size, and evidence against it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -10,8 +10,9 @@ from cutpoint.identification.conditioning.filtering import low_pass_together
 from cutpoint.identification.drives.rotor import RotorEstimate
 from cutpoint.identification.drives.scatter import SIGNIFICANT, covariance
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
-from cutpoint.mechanics.drives.friction import Coulomb
-from cutpoint.model.drive import Drive
+from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
+from cutpoint.mechanics.drives.presliding import sliding_of
+from cutpoint.model.drive import Drive, Friction
 
 PUSHES = 0.05
 """Share of all viscous friction: a smaller negative one is model error, not evidence."""
@@ -27,14 +28,17 @@ class LinkFriction:
     coulomb: tuple[float, float]
     viscous: tuple[float, float]
 
-    def law(self, smoothing: float) -> Coulomb | None:
-        """The law; None if it is not significantly different from zero."""
+    def law(self, stated: Friction | None, smoothing: float) -> Coulomb | Stribeck | None:
+        """The law, with a stated one's peak at rest; None if it is not significantly different from zero."""
         coulomb, viscous = (x if x > SIGNIFICANT * s else 0.0 for x, s in (self.coulomb, self.viscous))
+        known = sliding_of(stated)
+        if isinstance(known, Stribeck):
+            return replace(known, coulomb=coulomb, static=coulomb + known.static - known.coulomb, viscous=viscous)
         return Coulomb(coulomb, viscous, smoothing) if coulomb or viscous else None
 
 
 def link_friction(torque: Array, sliding: Array, period: float, cutoff: float) -> LinkFriction:
-    """Link friction from the drive's torque in excess of the link's, (N,), N m, found from the motor.
+    """Link friction from the drive's torque in excess of the link's and of known friction beyond Coulomb's, (N,), N m.
 
     sliding: (N, 2), direction of motion, and speed, rad/s.  period: s.  cutoff: Hz, of the filter for all.
     """

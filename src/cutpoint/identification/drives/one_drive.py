@@ -10,7 +10,13 @@ from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.deflections import TorqueReading
-from cutpoint.identification.drives.joint_torques import corrected, smoothing_of, torque_left, transmitted_share
+from cutpoint.identification.drives.joint_torques import (
+    beyond_coulomb,
+    corrected,
+    smoothing_of,
+    torque_left,
+    transmitted_share,
+)
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, friction_notes, link_friction
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
@@ -111,7 +117,8 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
         left, _ = torque_left(rotor, joint.theta, _torque(joint, rotor), period, joint.delay, share)
         speed = joint.sliding[:, 1]
         sliding = np.column_stack([np.tanh(speed / smoothing_of(drive, rotor.smoothing)), speed])
-        link = link_friction(left - joint.link_torque, sliding, period, cutoff)
+        beyond = beyond_coulomb(drive.link_friction, speed, np.zeros_like(speed))  # else its peak pushes at speed
+        link = link_friction(left - joint.link_torque - beyond, sliding, period, cutoff)
     delay = None if not apart or "stiffness" in spring.unidentifiable else _delay(joint, ratio, spring, cutoff)
     return replace(_estimate(drive, spring, rotor, apart, link, shows_play), delay=delay, period=period)
 
@@ -247,7 +254,8 @@ def _estimate(
     if rotor.friction is not None and not clocks:
         changes["motor_friction"] = rotor.friction
     if link and not clocks:
-        changes.update(motor_friction=rotor.friction, link_friction=link.law(smoothing_of(drive, rotor.smoothing)))
+        on_link = link.law(drive.link_friction, smoothing_of(drive, rotor.smoothing))
+        changes.update(motor_friction=rotor.friction, link_friction=on_link)
     if "rotor inertia" not in why:
         changes["rotor"] = replace(drive.rotor, inertia=rotor.inertia) if drive.rotor else Rotor(rotor.inertia)
     if rotor.torque_constant is not None:
