@@ -1,6 +1,6 @@
 """Validation of drives, before any law uses them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ from cutpoint.errors import ModelError, listed, unknown_name
 from cutpoint.model.drive import Drive, Harmonic
 from cutpoint.model.drive_rules import KINDS, OFFERED, RISING, RULES, WAVES, WITHIN, Rule, is_number
 from cutpoint.model.mechanism import Mechanism
+from cutpoint.model.own_laws import is_own, wrong_in_friction, wrong_in_spring
 from cutpoint.scalars import leaves
 
 STEEPEST = 0.7
@@ -148,6 +149,8 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
     if drive.damping and not drive.is_elastic:
         yield Complaint("damping", rule, drive.damping)
     spring = getattr(drive.compliance, "spring", drive.compliance)
+    if drive.is_elastic and is_own(spring):
+        yield from _of_own("compliance", spring, wrong_in_spring)
     if (steepest := getattr(spring, "steepest_corner", 0.0)) > STEEPEST_CORNER:
         rule = f"more than {STEEPEST_CORNER:g}-fold cannot be inverted; check the units of k1, k2, k3"
         yield Complaint("compliance", f"stiffness changes {steepest:.3g}-fold at a corner, {rule}")
@@ -164,6 +167,10 @@ def _of_springs(drive: Drive) -> Iterator[Complaint]:
         rule = f"must not exceed {STEEPEST}: at 1 the drive would run backwards"
         words = f"kinematic error is too large: order * ratio * amplitude, in total {steepest:g}, {rule}"
         yield Complaint("kinematic_error", words)
+
+
+def _of_own(field: str, law: Any, trial: Callable[[Any], Iterator[str]]) -> Iterator[Complaint]:
+    yield from (Complaint(field, f"{field}, a {type(law).__name__}: {words}") for words in trial(law))
 
 
 def _of_motors(drive: Drive) -> Iterator[Complaint]:
@@ -201,6 +208,8 @@ def _of_friction(side: str, law: Any, elastic: bool) -> Iterator[Complaint]:
     coulomb, static = (getattr(sliding, name, None) for name in ("coulomb", "static"))
     if hasattr(sliding, "columns"):
         yield from _of_coefficients(side, sliding)
+    if law is not None and is_own(sliding):
+        yield from _of_own(side, sliding, wrong_in_friction)
     if coulomb is not None and static is not None and static < coulomb:
         yield Complaint(f"{side}.static", f"must not be below coulomb {coulomb}", static)
     if per_load is not None and side == "link_friction":

@@ -1,0 +1,109 @@
+"""Spring and friction laws of the user's own that are no laws."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cutpoint import ModelError, Sliding
+from cutpoint.mechanics.drives.backlash import Backlash
+from robot_library import robot
+
+Law = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A user's spring, given by its methods."""
+
+    torque: Law = lambda x: 1e4 * x
+    deflection: Law = lambda t: t / 1e4
+    tangent: Law = lambda x: 1e4
+    energy: Law = lambda x: 5e3 * x * x
+
+
+@dataclass(frozen=True)
+class Rubbing(Sliding):
+    """A user's friction, given by what becomes of its size."""
+
+    size: float
+    law: Callable[..., Any]
+    coefficients = ("size",)
+
+    def plateau(self, speed: Any) -> Any:
+        return self.law(self.size)
+
+
+def softening(x: float) -> float:
+    return 1e4 * x / (1 + abs(x))
+
+
+@pytest.mark.parametrize(
+    ("spring", "told"),
+    [
+        (Spring(deflection=lambda t: -t / 1e4), "deflection must be the exact inverse of torque"),
+        (
+            Spring(torque=softening),
+            r"deflection\(0.1\d*\) is 1.0999989e-05, but torque\(1.0999989e-05\) is 0.109\d+: deflection must",
+        ),
+        (Spring(torque=lambda x: np.nan * x), r"torque\(1e-06\) is nan, which is not a finite number"),
+        (Spring(torque=lambda x: -1e4 * x), r"torque\(1e-06\) is -0.01, but must be positive"),
+        (Spring(torque=lambda: 1.0), r"torque\(1e-06\) fails: TypeError: .* 0 positional arguments but 1 was given"),  # pyright: ignore[reportArgumentType]
+        (Spring(torque=lambda x: None), r"torque\(1e-06\) gives None: it must give a number"),
+        (Spring(tangent=lambda x: 2e4), r"tangent\(1.1e-05\) is 20000, but torque rises there by 10000 per unit"),
+        (Spring(energy=lambda x: 0.0), r"torque\(1.1e-05\) is 0.11, but energy rises there by 0 per unit"),
+        (Spring(deflection=lambda t: np.nan * t), r"deflection\(0.11\) is nan, but torque\(nan\) is nan"),
+        (
+            Spring(lambda x: 1e4 * x * (1 if x > 0 else 2), lambda t: t / 1e4 / (1 if t > 0 else 2)),
+            r"deflection\(0.11\) is 1.1e-05, but deflection\(-0.11\) is -5.5e-06: a spring's law must be odd",
+        ),
+    ],
+)
+def test_springs_whose_methods_contradict_each_other_are_refused(spring: Spring, told: str):
+    arm = robot("linear")
+    for law in (spring, Backlash(spring, 1e-3)):
+        with pytest.raises(ModelError, match=f"joint 'joint2': compliance, a Spring: .*{told}"):
+            arm.with_drives({"joint2": replace(arm.drives["joint2"], compliance=law)})
+
+
+@pytest.mark.parametrize(
+    "spring",
+    [
+        Spring(
+            lambda x: np.tan(1e3 * x), lambda t: np.arctan(t) / 1e3,
+            lambda x: 1e3 / np.cos(1e3 * x) ** 2, lambda x: -np.log(np.cos(1e3 * x)) / 1e3,
+        ),
+        Spring(
+            lambda x: np.tanh(1e3 * x), lambda t: np.arctanh(t) / 1e3,
+            lambda x: 1e3 / np.cosh(1e3 * x) ** 2, lambda x: np.log(np.cosh(1e3 * x)) / 1e3,
+        ),
+    ],
+    ids=["a pole", "a largest torque"],
+)  # fmt: skip
+def test_springs_may_end_within_their_trial(spring: Spring):
+    arm = robot("linear")
+    assert arm.with_drives({"joint2": replace(arm.drives["joint2"], compliance=spring)})
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        (lambda size: np.nan, r"torque\(0\) is nan, which is not a finite number"),
+        (lambda: 1.0, r"torque\(0\) fails: TypeError: .* takes 0 positional arguments but 1 was given"),
+        (lambda size: np.full(2, size), r"torque\(0\) gives array\(.*\): it must give a number"),
+        (
+            lambda size: size**2,
+            r"its torque must be linear in its `coefficients`.* is 3.2\d*, but their parts .* 1.6\d*",
+        ),
+        (lambda size: size + 1, "its torque must be linear in its `coefficients`, and zero where they are"),
+    ],
+)
+def test_friction_must_be_a_number_and_linear_as_it_says(law: Callable[..., Any], told: str):
+    arm = robot("xia2019")
+    for side in ("link_friction", "motor_friction"):
+        rubbing = replace(arm.drives["joint2"], **{side: Rubbing(2.0, law)})
+        with pytest.raises(ModelError, match=f"joint 'joint2': {side}, a Rubbing: {told}"):
+            arm.with_drives({"joint2": rubbing})
+    assert arm.with_drives({"joint2": replace(arm.drives["joint2"], link_friction=Rubbing(2.0, lambda size: size))})
