@@ -12,7 +12,7 @@ import numpy as np
 SMALL = 1e-6
 """A deflection, rad (m), at which the torque shows the spring's stiffness at rest."""
 
-DEFLECTIONS = (1.1e-5, 1.1e-4, 1.1e-3, 1.1e-2)
+DEFLECTIONS = (1.1e-5, 1.1e-4, 1.1e-3)
 """What the torques of the trial would wind up at that stiffness, rad (m): not round, as corners of a law may be."""
 
 SPEEDS = (0.0, 0.011, -0.011, 1.1, -1.1)
