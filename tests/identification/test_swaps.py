@@ -43,3 +43,12 @@ def test_all_joints_whose_torques_are_reversed_are_named():
     assert len(causes) == 1 and causes[0].startswith(
         f"signs of torques of {', '.join(KNOWN.robot.joints)} look reversed"
     )
+
+
+@pytest.mark.parametrize("turned", [[0], [1], [0, 1]])
+def test_encoders_that_contradict_each_other_are_not_also_taken_for_swapped_columns_or_reversed_torques(
+    turned: list[int],
+):
+    log = replace(LOG, theta=LOG["q"], q=LOG["q"] * np.where(np.isin(np.arange(4), turned), -1.0, 1.0))
+    causes = identify(KNOWN.file, log, friction="stated", springs=False, hold_out=0.0).causes
+    assert causes == tuple(f"theta of {KNOWN.robot.joints[j]!r} is -1 times q: a wrong sign?" for j in turned)

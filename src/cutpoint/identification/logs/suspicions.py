@@ -135,19 +135,24 @@ def suspicions(recording: Recording) -> list[str]:
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: _span(x) > TURNS * 2.0 * math.pi)
-    return [*notes, *contradictions(recording), *_other_zeros(recording)]
+    return [*notes, *unlike_rates(recording), *unlike_sides(recording), *_other_zeros(recording)]
 
 
-def contradictions(recording: Recording) -> Iterator[str]:
-    """A note on each channel that is a multiple of what another says that it is."""
+def unlike_rates(recording: Recording) -> Iterator[str]:
+    """A note on each speed that is a multiple of its position's."""
     time = recording.time
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
         for (joint, x), (_, v) in zip(_columns(recording, whole), _columns(recording, rate), strict=False):
             travelled = 0.5 * (v[1:] + v[:-1]) * np.diff(time)
             factor = _multiple(*_ways(time, travelled, np.diff(x)), time[1:])
             yield from _notes_on_factor(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
+
+
+def unlike_sides(recording: Recording) -> Iterator[str]:
+    """A note on each motor whose position is a multiple of its link's."""
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
-        yield from _notes_on_factor(f"theta of {joint!r}", "q", _multiple(theta, x, time))
+        factor = _multiple(theta, x, recording.time)
+        yield from _notes_on_factor(f"theta of {joint!r}", "q", factor)
 
 
 def _other_zeros(recording: Recording) -> Iterator[str]:

@@ -23,7 +23,7 @@ from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
-from cutpoint.identification.logs.suspicions import contradictions, refuse_other_units, suspicions
+from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions, unlike_rates, unlike_sides
 from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
@@ -184,8 +184,11 @@ def _identification(
     words += _one_sided(before, recording)
     # of the log as it was read: resampled, a jump is less clear
     jumps = [note for note in recording.notes if JUMPED in note]
-    odd = [*jumps, *contradictions(recording)]
-    causes = (*swap_notes(before, recording, errors, rigid.cutoff), *unit_notes(errors, before.joints))
+    of_log = [*jumps, *unlike_sides(recording)]
+    # such positions explain torques that are unlike the files'
+    swapped = [] if of_log else swap_notes(before, recording, errors, rigid.cutoff)
+    causes = (*of_log, *swapped, *unit_notes(errors, before.joints))
+    odd = (*causes, *unlike_rates(recording))
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
         robot=after,
@@ -198,9 +201,9 @@ def _identification(
         errors=errors,
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
-        causes=(*jumps, *causes),
-        doubts=(*odd, *causes, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
-        notes=tuple(note for note in notes if not note.endswith(tuple(odd))),
+        causes=causes,
+        doubts=(*odd, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
+        notes=tuple(note for note in notes if not note.endswith(odd)),
     )
 
 
