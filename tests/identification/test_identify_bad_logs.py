@@ -83,6 +83,29 @@ def test_a_counter_that_was_set_anew_leads_and_what_follows_from_it_is_in_the_re
     assert "note: positions jump" not in text
 
 
+def test_a_torque_that_was_clipped_makes_the_result_doubtful(files: Path, tmp_path: Path):
+    log = write_log(tmp_path / "log.csv", elbow("torque", lambda x: np.clip(x, -9.0, 9.0)))
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    told = [
+        [each for each in words if "was it clipped?" in each] for words in (found.doubts, found.causes, found.notes)
+    ]
+    assert [len(each) for each in told] == [1, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("change", "cause"),
+    [
+        (lambda x: np.where((TIME < 2.0) | (TIME > 4.0), x, x[np.searchsorted(TIME, 2.0)]), "values stand still while"),
+        (lambda x: channels()["torque"][:, 0], "columns are equal"),
+    ],
+)
+def test_torques_that_were_not_measured_are_the_cause_of_other_doubts(files: Path, change: Any, cause: str):
+    log = Recording(TIME, ("shoulder", "elbow"), **elbow("torque", change))
+    found = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated")
+    assert len(found.causes) == 1 and found.causes[0].startswith(cause) and found.doubts[0] == found.causes[0]
+    assert not any(cause in note for note in found.notes)
+
+
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
     both = channels()
     log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])

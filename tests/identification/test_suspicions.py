@@ -1,6 +1,7 @@
 """Suspicious data in a log are reported by name; certain errors are refused."""
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -66,6 +67,33 @@ def test_motors_that_count_from_another_zero_after_a_gap_are_named():
     kept = np.abs(T - T[1500]) > 0.1
     log = read(theta=theta).with_channels(lambda x: x[kept], time=T[kept])
     assert [note for note in suspicions(log) if "theta less q of elbow by 0.1 rad (m) at 1.6" in note]
+
+
+@pytest.mark.parametrize("name", ["q", "theta", "torque", "current"])
+def test_columns_of_two_joints_that_are_equal_are_named(name: str):
+    values = read()[name]
+    notes = read(**{name: np.column_stack([values[:, 0], values[:, 0]])}).notes
+    assert f"columns are equal, as if one was logged twice: {name} of shoulder and elbow" in notes
+
+
+@pytest.mark.parametrize("name", ["q", "torque", "current"])
+def test_values_that_stand_still_while_the_joint_moves_are_named_with_the_time(name: str):
+    x = elbow("q" if name == "q" else "torque", GOOD["q" if name == "q" else "torque"][:, 1])
+    x[1000:1900, 1] = x[1000, 1]
+    told = f"values stand still while the joint moves, .*: {name} of elbow from {T[1000]:.4g} to {T[1899]:.4g} s: leave"
+    assert any(re.match(told, note) for note in read(**{name: x}).notes), read(**{name: x}).notes
+
+
+@pytest.mark.parametrize("step", [0.01, 1.0, 10.0])
+def test_torques_of_coarse_steps_do_not_count_as_standing_still(step: float):
+    torque = np.round(GOOD["torque"] / step) * step
+    assert not [note for note in read(torque=torque).notes if "stand still" in note]
+
+
+def test_neither_a_joint_at_rest_nor_its_torque_counts_as_standing_still():
+    resting = np.minimum(T, T[1000]) + np.maximum(T - T[1900], 0.0)
+    values = {name: positions(resting, order) for name, order in (("q", 0), ("theta", 0), ("torque", 2))}
+    assert not [note for note in suspicions(Recording(T, JOINTS, **values)) if "stand still" in note]
 
 
 @pytest.mark.parametrize("kind", ["coarse", "held", "corners", "spikes", "jitter", "gap"])

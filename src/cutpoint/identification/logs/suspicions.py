@@ -8,10 +8,11 @@ from scipy.ndimage import binary_erosion
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
-from cutpoint.identification.logs.jumps import MOST_DEFLECTION, jump_notes
+from cutpoint.identification.logs.jumps import JUMPED, MOST_DEFLECTION, jump_notes
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.spikes import SELDOM, without_spikes
+from cutpoint.identification.logs.stuck import COPIED, STUCK, copy_notes, stuck_notes
 from cutpoint.identification.logs.time_stamps import check_period
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
@@ -30,6 +31,12 @@ UNLIKE = 10.0
 
 FITS = 0.1
 """Tolerance of a factor that should be 1: noise and deflection have a smaller effect."""
+
+FALSE = (COPIED, STUCK, JUMPED)
+"""Begin the notes on what cannot be right, which are doubts, and explain others."""
+
+CLIPPED = "stays at its extreme: was it clipped?"
+"""Ends the note on torques that may be limited, which is a doubt too."""
 
 EXPLANATIONS = {
     -1.0: "a wrong sign",
@@ -125,13 +132,13 @@ def _likely_unit(slides: bool, x: Array, recording: Recording, robot: Robot) -> 
 
 def suspicions(recording: Recording) -> list[str]:
     """A note on each thing that looks wrong, naming its joints."""
-    notes = jump_notes(recording)
+    notes = [*copy_notes(recording), *stuck_notes(recording), *jump_notes(recording)]
     for name in recording.channels:
         notes += _noted(recording, name, "holds no numbers", lambda x: not np.isfinite(x).any())
         notes += _noted(recording, name, "lacks some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)
         notes += _noted(recording, name, "never changes: was it measured?", _is_constant)
     for name in ("torque", "current"):
-        notes += _noted(recording, name, "stays at its extreme: was it clipped?", _is_cut_off)
+        notes += _noted(recording, name, CLIPPED, _is_cut_off)
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: _span(x) > TURNS * 2.0 * math.pi)

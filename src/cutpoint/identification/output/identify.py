@@ -18,12 +18,18 @@ from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
-from cutpoint.identification.logs.jumps import JUMPED
 from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
-from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions, unlike_rates, unlike_sides
+from cutpoint.identification.logs.suspicions import (
+    CLIPPED,
+    FALSE,
+    refuse_other_units,
+    suspicions,
+    unlike_rates,
+    unlike_sides,
+)
 from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
@@ -183,12 +189,11 @@ def _identification(
     after, words = _joined(rigid.robot, sprung)
     words += _one_sided(before, recording)
     # of the log as it was read: resampled, a jump is less clear
-    jumps = [note for note in recording.notes if JUMPED in note]
-    of_log = [*jumps, *unlike_sides(recording)]
-    # such positions explain torques that are unlike the files'
+    of_log = [*_noted(recording, *FALSE), *unlike_sides(recording)]
+    # such channels explain torques that are unlike the files'
     swapped = [] if of_log else swap_notes(before, recording, errors, rigid.cutoff)
     causes = (*of_log, *swapped, *unit_notes(errors, before.joints))
-    odd = (*causes, *unlike_rates(recording))
+    odd = (*causes, *_noted(recording, CLIPPED), *unlike_rates(recording))
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
         robot=after,
@@ -205,6 +210,10 @@ def _identification(
         doubts=(*odd, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
         notes=tuple(note for note in notes if not note.endswith(odd)),
     )
+
+
+def _noted(recording: Recording, *words: str) -> list[str]:
+    return [note for note in recording.notes if any(each in note for each in words)]
 
 
 def _one_sided(robot: Robot, recording: Recording) -> list[str]:
