@@ -66,6 +66,15 @@ def test_springs_and_friction_of_drives_are_not_taken_for_another_scale(unseen: 
     assert named(known, log if unseen == "none" else replace(log, **{unseen: None})) == {}
 
 
+@pytest.mark.parametrize("unseen", ["theta", "q"])
+def test_where_springs_bend_unseen_a_joint_is_named_without_a_factor(unseen: str):
+    known = with_springs(known_arm(4, 3), 4)
+    log = replace(elastically_recorded(known.robot, 4), **{unseen: None})
+    doubts = identify_rigid(known.file, replace(log, torque=log["torque"] * [1.0, 0.5, 1.0])).doubts
+    told = rf"torques of {known.robot.joints[1]} are less than those of the others suggest[:,]"
+    assert any(re.match(told, doubt) for doubt in doubts), doubts
+
+
 def test_a_factor_that_contradicts_the_joints_excess_is_not_told():
     known, log = arm(2, 6)
     load = log["torque"].std(axis=0) * np.sin(2.0 * log["q"] + 1.0)  # of no body

@@ -156,7 +156,7 @@ def estimate_of(
         noise=estimate.noise,
         cutoff=log.motion.cutoff,
         untold=untold(table, base),
-        doubts=(*reversed_signs(table), *scale_notes(found, estimate.values, robot.joints), *_late(fitted, steady)),
+        doubts=(*reversed_signs(table), *_scaled(fitted), *_late(fitted, steady)),
         notes=(
             *notes,
             *_standing(robot, log),
@@ -191,6 +191,13 @@ def _steady(fitted: Fitted) -> NDArray[np.bool_]:
     """Which means are away from every joint's reversals."""
     log = fitted.log
     return without_reversals(sliding_speeds(fitted.base.robot, log.motion), log.motion, log.means)
+
+
+def _scaled(fitted: Fitted) -> list[str]:
+    robot, motion = fitted.base.robot, fitted.log.motion
+    is_one_side = np.array_equal(motion.q, motion.theta, equal_nan=True)
+    bend = is_one_side and any(drive.is_elastic for drive in robot.drives.values())
+    return scale_notes(fitted.regression, fitted.estimate.values, robot.joints, bend)
 
 
 def _late(fitted: Fitted, steady: NDArray[np.bool_]) -> list[str]:
