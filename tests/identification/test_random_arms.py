@@ -25,3 +25,10 @@ def test_intervals_of_links_and_drives_hold_the_truth_as_often_as_they_say(cases
 def test_bodies_exist_and_torques_held_out_are_missed_by_twice_what_the_truth_misses_at_most(cases: list[Case]):
     assert all(each.physical for each in cases)
     assert np.concatenate([each.ratio for each in cases]).max() < 2.0
+
+
+def test_torques_that_do_not_separate_rotor_and_link_leave_the_spring_to_the_links():
+    """A slide without weight: its link's torque has the shape of its rotor's, whose inertia came out 13 times too large
+    in noise of 14 % of the torques."""
+    arm = case(120, noise=0.5)
+    assert arm.ratio.max() < 1.5

@@ -19,6 +19,7 @@ from cutpoint.identification.drives.joint_torques import (
 )
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, friction_notes, link_friction
 from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
+from cutpoint.identification.drives.scatter import SIGNIFICANT
 from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
 from cutpoint.identification.drives.spring_laws import LAWS
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
@@ -197,7 +198,7 @@ def _from_motor(
     band, shaking = clear_acceleration(joint.theta, period, min(still, told), still)
     noise = noise_density(lead, period, still) * np.sqrt(band)
     every = max(1, min(int(1.0 / (SAMPLED * band * period)), lead.size // ENOUGH))
-    seen, settled, tried = False, False, [rotor]
+    seen, settled, tried, from_links = False, False, [rotor], spring
     for turn in range(TURNS):
         laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
         share = transmitted_share(spring, joint.theta, ratio)
@@ -214,6 +215,8 @@ def _from_motor(
             resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
         rotor = corrected(rotor, spring) if seen else rotor
+        if rotor["inertia"] < -SIGNIFICANT * rotor.deviations["inertia"]:
+            return from_links, tried[0], False  # of links without weight, torques of the same shape as the rotor's
         if laws is not SHAPE:
             break
         settled = turn > 0 and any(_is_near(rotor, before) for before in tried)  # also those that take turns
