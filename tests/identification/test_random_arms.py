@@ -27,7 +27,7 @@ def test_bodies_exist_and_torques_held_out_are_missed_by_twice_what_the_truth_mi
     assert np.concatenate([each.ratio for each in cases]).max() < 2.0
 
 
-def test_torques_that_do_not_separate_rotor_and_link_leave_the_spring_to_the_links():
+def test_torques_that_do_not_separate_rotor_and_link_make_no_rotor_heavy():
     """A slide without weight: its link's torque has the shape of its rotor's, whose inertia came out 13 times too large
     in noise of 14 % of the torques."""
     arm = case(120, noise=0.5)

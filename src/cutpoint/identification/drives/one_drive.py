@@ -1,7 +1,8 @@
 """One joint's drive from its own channels: spring, rotor, and the spring again from the remaining torque."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -99,6 +100,20 @@ class Channels:
     is_current: bool
 
 
+class _Turn(NamedTuple):
+    """A spring, a rotor, and whether the spring separated it from the links."""
+
+    spring: SpringEstimate
+    rotor: RotorEstimate
+    apart: bool
+
+    @property
+    def runs_away(self) -> bool:
+        """Whether the rotor is clearly negative: the torques of links without weight have the shape of their rotors',
+        and with noise they fix only the ratio of stiffness and inertia."""
+        return self.rotor["inertia"] < -SIGNIFICANT * self.rotor.deviations["inertia"]
+
+
 def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) -> DriveEstimate:
     """From the links' torque to the spring, to the rotor, to the motor's torque, to the spring again.
 
@@ -187,8 +202,8 @@ def _from_motor(
     rotor: RotorEstimate,
     resolution: float,
     stated: Compliance | None,
-) -> tuple[SpringEstimate, RotorEstimate, bool]:
-    """The spring from the motor's torque, and the rotor from the spring; whether that separated rotor and links.
+) -> _Turn:
+    """The spring from the motor's torque, and the rotor from the spring, in turns until they stand still.
 
     stated: the spring of the file, without play.
     """
@@ -198,30 +213,36 @@ def _from_motor(
     band, shaking = clear_acceleration(joint.theta, period, min(still, told), still)
     noise = noise_density(lead, period, still) * np.sqrt(band)
     every = max(1, min(int(1.0 / (SAMPLED * band * period)), lead.size // ENOUGH))
-    seen, settled, tried, from_links = False, False, [rotor], spring
-    for turn in range(TURNS):
-        laws = tuple(LAWS) if settled or turn == TURNS - 1 else SHAPE
+
+    def turned(spring: SpringEstimate, rotor: RotorEstimate, laws: Sequence[str]) -> _Turn:
+        """The spring from the torque that the rotor leaves, and the rotor from that spring."""
         share = transmitted_share(spring, joint.theta, ratio)
         left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
         channels = joint.theta, joint.q, left, *unknowns.values()
         angle = np.where(np.isfinite(channels).all(axis=0), joint.theta, np.nan)
         theta, q, left, *columns = (x[::every] for x in low_pass_together(channels, period, band))
         seen = _is_seen(spring)
-        found = dict(zip(unknowns, columns, strict=True)) if seen else {}
+        unknown = dict(zip(unknowns, columns, strict=True)) if seen else {}
         shared = {"inertia": rotor["inertia"] * shaking**2}
-        reading = TorqueReading(found, shared, share[::every], noise, band, angle, every)
-        spring = two_encoders(
+        reading = TorqueReading(unknown, shared, share[::every], noise, band, angle, every)
+        found = two_encoders(
             theta, q, left, period * every, ratio,
             resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,
         )  # fmt: skip
-        rotor = corrected(rotor, spring) if seen else rotor
-        if rotor["inertia"] < -SIGNIFICANT * rotor.deviations["inertia"]:
-            return from_links, tried[0], False  # of links without weight, torques of the same shape as the rotor's
-        if laws is not SHAPE:
+        return _Turn(found, corrected(rotor, found) if seen else rotor, seen)
+
+    before = [(spring, rotor)]
+    for _ in range(TURNS - 1):
+        found = turned(*before[-1], SHAPE)
+        if found.runs_away:
+            before = before[:-1] or before  # the last turn that did not is repeated
             break
-        settled = turn > 0 and any(_is_near(rotor, before) for before in tried)  # also those that take turns
-        tried.append(rotor)
-    return spring, rotor, seen
+        settled = len(before) > 1 and any(_is_near(found.rotor, own) for _, own in before)  # also two by turns
+        before.append((found.spring, found.rotor))
+        if settled:
+            break
+    found = turned(*before[-1], tuple(LAWS))
+    return _Turn(*before[-1], False) if found.runs_away else found
 
 
 def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
