@@ -29,7 +29,7 @@ class LinkFriction:
     viscous: tuple[float, float]
 
     def law(self, stated: Friction | None, smoothing: float) -> Coulomb | Stribeck | None:
-        """The law, with a stated one's peak at rest; None if it is not significantly different from zero."""
+        """The law: a stated one's peak at rest is kept.  None if there is no peak and nothing differs from zero."""
         coulomb, viscous = (x if x > SIGNIFICANT * s else 0.0 for x, s in (self.coulomb, self.viscous))
         known = sliding_of(stated)
         if isinstance(known, Stribeck):

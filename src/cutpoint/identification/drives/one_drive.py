@@ -54,7 +54,7 @@ CONVERGED = 0.5
 """Standard deviations of a rotor: after a smaller change both have converged."""
 
 SAMPLED, ENOUGH = 10.0, 2_000
-"""Samples per period of a filter's cut-off, and in all, of which fewer are never kept: more say nothing new."""
+"""Samples that are kept of filtered channels, per period of the cut-off, and in all at least: more say nothing new."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +237,7 @@ def _from_motor(
         if found.runs_away:
             before = before[:-1] or before  # the last turn that did not is repeated
             break
-        settled = len(before) > 1 and any(_is_near(found.rotor, own) for _, own in before)  # also two by turns
+        settled = len(before) > 1 and any(_is_near(found.rotor, own) for _, own in before)  # or returns to one before
         before.append((found.spring, found.rotor))
         if settled:
             break

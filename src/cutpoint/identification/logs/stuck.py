@@ -30,7 +30,8 @@ def copy_notes(recording: Recording) -> list[str]:
             known = np.isfinite(x[:, [a, b]]).all(axis=1)
             if (x[known, a] == x[known, b]).all() and known.any() and np.ptp(x[known, a]) > 0.0:
                 found.append(f"{name} of {recording.joints[a]} and {recording.joints[b]}")
-    return [f"{COPIED}, as if one was logged twice: {'; '.join(found)}"] if found else []
+    remedy = "map each joint's own, or lock one"
+    return [f"{COPIED}, as if one was logged twice: {'; '.join(found)}: {remedy}"] if found else []
 
 
 def stuck_notes(recording: Recording) -> list[str]:

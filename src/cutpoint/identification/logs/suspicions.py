@@ -35,7 +35,7 @@ FITS = 0.1
 FALSE = (COPIED, STUCK, JUMPED)
 """Begin the notes on what cannot be right, which are doubts, and explain others."""
 
-CLIPPED = "stays at its extreme: was it clipped?"
+CLIPPED = "stays at its extreme: was it clipped?  If so, leave these parts out"
 """Ends the note on torques that may be limited, which is a doubt too."""
 
 EXPLANATIONS = {
