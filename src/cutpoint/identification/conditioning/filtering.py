@@ -1,6 +1,6 @@
 """Zero-phase low-pass filtering and differentiation with a stated bandwidth, never across a gap."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,10 +70,11 @@ def low_pass(values: ArrayLike, period: float, cutoff: float, order: int = ORDER
     sections = butter(order, cutoff, fs=1.0 / period, output="sos")
     edge = _edge(period, cutoff)
     found = np.full(values.shape, np.nan)
-    for part, column, result in _stretches(values, found):
-        if part.stop - part.start > 2 * edge:
-            smooth = sosfiltfilt(sections, column[part], padlen=min(3 * edge, part.stop - part.start - 1))
-            result[part.start + edge : part.stop - edge] = smooth[edge:-edge]
+    for column, result in zip(values.reshape(len(values), -1).T, found.reshape(len(found), -1).T, strict=True):
+        for part in _parts(column):
+            if part.stop - part.start > 2 * edge:
+                smooth = sosfiltfilt(sections, column[part], padlen=min(3 * edge, part.stop - part.start - 1))
+                result[part.start + edge : part.stop - edge] = smooth[edge:-edge]
     return found
 
 
@@ -202,12 +203,6 @@ def _longest(column: Array) -> slice:
     return max(_parts(column), key=lambda part: part.stop - part.start, default=slice(0, 0))
 
 
-def _stretches(values: Array, found: Array) -> Iterator[tuple[slice, Array, Array]]:
-    """Each stretch without NaN, with its columns of values and results."""
-    for column, result in zip(values.reshape(len(values), -1).T, found.reshape(len(found), -1).T, strict=True):
-        for part in _parts(column):
-            yield part, column, result
-
-
 def _parts(column: Array) -> list[slice]:
+    """The stretches without NaN of values (N,)."""
     return np.ma.clump_unmasked(np.ma.masked_invalid(column))
