@@ -1,7 +1,5 @@
 """Frames that a logger repeated while time went on, as if the robot had stood still."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +18,9 @@ def only_new_rows(recording: Recording) -> Recording:
     same = _same_as_before(recording)
     if (~same[:-1] & same[1:]).sum() <= MOST_ARE * (~same).sum():
         return recording
-    channels = {name: x[~same] for name, x in recording.channels.items()}
     rule = "the log is faster than what it records, and only rows that are new are used"
-    return replace(recording, time=recording.time[~same], **channels).with_notes([f"{_told(same)}: {rule}"])
+    new = recording.with_channels(lambda values: values[~same], time=recording.time[~same])
+    return new.with_notes([f"{_told(same)}: {rule}"])
 
 
 def without_repeats(recording: Recording) -> Recording:
@@ -30,8 +28,8 @@ def without_repeats(recording: Recording) -> Recording:
     repeats = _short_runs(_same_as_before(recording))
     if not repeats.any():
         return recording
-    channels = {name: np.where(repeats[:, None], np.nan, x) for name, x in recording.channels.items()}
-    return replace(recording, **channels).with_notes([f"{_told(repeats)}, and are not used"])
+    left = recording.with_channels(lambda values: np.where(repeats[:, None], np.nan, values))
+    return left.with_notes([f"{_told(repeats)}, and are not used"])
 
 
 def _told(repeats: NDArray[np.bool_]) -> str:
