@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from cutpoint import definitions
 from cutpoint.arrays import Array
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import checked_name
+from cutpoint.errors import InputError
 from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.kernels import pullback
 from cutpoint.joint_units import at_joints
@@ -105,8 +106,7 @@ def _torque(robot: Robot, most: Array) -> Limit:
 
 
 def _box(robot: Robot, frame: str, box: Box) -> Limit:
-    if frame not in robot.frames:
-        raise unknown_name("frame", frame, robot.frames)
+    checked_name("frame", frame, robot.frames)
     try:
         low, high = (np.broadcast_to(np.asarray(side, dtype=np.float64), 3) for side in box)
     except (TypeError, ValueError):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_name, checked_names, checked_numbers, number
-from cutpoint.errors import InputError, counted, unknown_name
+from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.resampling import close, on_grid, uniform_times
 
 QUANTITIES = ("q", "theta", "v", "theta_dot", "torque", "current")
@@ -121,10 +121,7 @@ class Recording:
 
     def in_order(self, names: Sequence[str]) -> "Recording":
         """These joints' channels, (N, n), a column for each name.  Raises InputError for an unknown name."""
-        for name in names:
-            if name not in self.joints:
-                raise unknown_name("joint", name, self.joints)
-        columns = [self.joints.index(name) for name in names]
+        columns = [self.joints.index(checked_name("joint", name, self.joints)) for name in names]
         return self.with_channels(lambda values: values[:, columns], joints=tuple(names))
 
     def complete(self) -> NDArray[np.bool_]:

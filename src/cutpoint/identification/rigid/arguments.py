@@ -6,7 +6,7 @@ from types import NoneType
 import numpy as np
 
 from cutpoint.door import check_kind, checked_name, number
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.errors import InputError
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.rigid.least_squares import METHODS
 from cutpoint.mechanics.drives.friction import Sliding
@@ -17,8 +17,7 @@ from cutpoint.robot import Robot
 
 def check_method(method: str) -> None:
     """Raises InputError for an unknown method of `identify_rigid`."""
-    if method not in (*METHODS, "instrumental"):
-        raise unknown_name("method of identification", method, (*METHODS, "instrumental"))
+    checked_name("method of identification", method, (*METHODS, "instrumental"))
 
 
 def check_numbers(method: str, instruments: Recording | None, level: float, spread: float) -> None:

@@ -8,7 +8,8 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import erf
 
 from cutpoint.arrays import Array
-from cutpoint.errors import InputError, unknown_name
+from cutpoint.door import checked_name
+from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
 from cutpoint.identification.rigid.regression import Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
@@ -58,8 +59,7 @@ def least_squares(
     torques before; known (M, n, k), N m per standard deviation of each known quantity.
     Raises InputError: an unknown method, or fewer rows than parameters.
     """
-    if method not in METHODS:
-        raise unknown_name("method of least squares", method, METHODS)
+    checked_name("method of least squares", method, METHODS)
     check_size(regression)
     if method == "huber":
         weights, noise = huber_weights(regression)

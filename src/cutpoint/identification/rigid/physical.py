@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.errors import unknown_name
+from cutpoint.door import checked_name
 from cutpoint.identification.rigid import cones, log_cholesky
 from cutpoint.identification.rigid.physical_fit import Fit
 
@@ -50,7 +50,5 @@ def physical(fit: Fit, solver: Solver) -> Physical:
 
 def check_solver(solver: str) -> None:
     """Raises InputError for an unknown solver, CutpointError for one that is not installed."""
-    if solver not in SOLVERS:
-        raise unknown_name("solver", solver, SOLVERS)
-    if solver != "log_cholesky":
+    if checked_name("solver", solver, SOLVERS) != "log_cholesky":
         cones.cvxpy()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
-from cutpoint.errors import unknown_name
+from cutpoint.door import checked_name
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import (
     Motion,
@@ -75,9 +75,7 @@ class RigidEstimate:
     def __getitem__(self, name: str) -> Parameter:
         """A parameter by its name.  Raises InputError for an unknown one, with a list of the known ones."""
         named = {each.name: each for each in self.parameters}
-        if name not in named:
-            raise unknown_name("identified parameter", name, named)
-        return named[name]
+        return named[checked_name("identified parameter", name, named)]
 
     def __repr__(self) -> str:
         return f"RigidEstimate({self.robot.name!r}: {self.told} of {len(self.parameters)} parameters told)"
