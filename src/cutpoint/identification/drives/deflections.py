@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,26 +159,38 @@ class DeflectionFit:
         return np.concatenate(parts)[: self.columns.shape[1]]
 
     @property
+    def places(self) -> dict[str, slice]:
+        """Where each component's unknowns are among the columns."""
+        sizes = {
+            "constants": self.constants.size,
+            "waves": self.waves.size,
+            "offset": 1,
+            "corrections": self.corrections.size,
+            "reaches": self.reaches.size * self.moving,
+            "elements": self.stiffness.size,
+        }
+        ends = [*np.cumsum([0, *sizes.values()]).tolist(), None]
+        return {name: slice(*own) for name, own in zip([*sizes, "damping"], pairwise(ends), strict=True)}
+
+    @property
     def beside_the_law(self) -> NDArray[np.intp]:
         """Columns of waves, offset and corrections, and of those elements, and of the damping, that are above zero."""
-        unbounded = self.constants.size + self.waves.size + 1 + self.corrections.size
-        positive = unbounded + self.reaches.size * self.moving
-        every = np.arange(self.constants.size, self.columns.shape[1])
-        return every[(every < unbounded) | (every >= positive) & (self.values[every] > 0.0)]
+        places, every = self.places, np.arange(self.columns.shape[1])
+        free, positive = every[places["waves"].start : places["reaches"].start], every[places["elements"].start :]
+        return np.append(free, positive[self.values[positive] > 0.0])
 
     def moved(self, step: Array, residual: Array) -> "DeflectionFit":
         """The fit with all unknowns changed by a step (p,), and its residual."""
-        sizes = [self.constants.size, self.waves.size, 1, self.corrections.size, self.reaches.size * self.moving]
-        parts = np.split(self.values + step, np.cumsum([*sizes, self.stiffness.size]))
-        constants, waves, offset, corrections, reaches, stiffness, damping = parts
+        changed = self.values + step
+        found = {name: changed[place] for name, place in self.places.items()}
         return replace(
             self,
-            constants=constants,
-            waves=waves,
-            offset=float(offset[0]),
-            corrections=corrections,
-            reaches=reaches if self.moving else self.reaches,
-            stiffness=stiffness,
-            damping=float(damping[0]) if damping.size else 0.0,
+            constants=found["constants"],
+            waves=found["waves"],
+            offset=float(found["offset"][0]),
+            corrections=found["corrections"],
+            reaches=found["reaches"] if self.moving else self.reaches,
+            stiffness=found["elements"],
+            damping=float(found["damping"].sum()),
             residual=residual,
         )

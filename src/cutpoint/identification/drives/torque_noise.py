@@ -30,9 +30,8 @@ def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
     At the true values the residual correlates with a noisy column through their common noise; least squares removes
     that correlation.  To first order in the noise's share; Fuller (1987) section 1.1.
     """
-    first = fit.constants.size + fit.waves.size + 1
     pull = np.zeros(fit.columns.shape[1])
-    pull[first : first + fit.corrections.size] = data.shared_noise * np.sum(1.0 / fit.tangent**2)
+    pull[fit.places["corrections"]] = data.shared_noise * np.sum(1.0 / fit.tangent**2)
     size = np.linalg.norm(fit.columns, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     scaled = fit.columns / size

@@ -195,8 +195,7 @@ def _tells_stiffness(fit: DeflectionFit) -> bool:
 
 def _standing_out(fit: DeflectionFit, orders: Sequence[int], resolution: float) -> list[int]:
     """Orders whose waves are too large to be noise, and large enough to matter."""
-    start = fit.constants.size
-    among = slice(start, start + fit.waves.size)
+    among = fit.places["waves"]
     spread = amplitude_errors(fit.waves, covariance(fit.columns, fit.residual)[among, among])
     size = np.hypot(*fit.waves.reshape(-1, 2).T)
     least = SMALLEST_WAVE * resolution
