@@ -18,6 +18,7 @@ from cutpoint.identification.output.pictures import ROW, thinned, titled
 from cutpoint.identification.rigid.identify_rigid import RigidEstimate
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.joint_units import at_joints
+from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.reporting.style import MOTOR, SPRING, WIDTH
 from cutpoint.robot import Robot
 
@@ -50,8 +51,7 @@ def bendings(
     found: dict[str, Bending] = {}
     for joint, estimate in drives.joints.items():
         j, drive = robot.joints.index(joint), robot.drives[joint]
-        friction: Any = drive.link_friction
-        torque = load[:, j] + (friction.torque(motion.v[:, j]) if friction else 0.0)
+        torque = load[:, j] + friction_torque(drive.link_friction, motion.v[:, j])
         spring: Any = estimate.spring
         error = spring.kinematic_error.value(theta[:, j], drive.ratio) if spring.kinematic_error else 0.0
         bent = np.asarray(_law(estimate).deflection(torque))
