@@ -131,8 +131,12 @@ def motor_side(
         raise InputError("motor_side: theta never changes: was it measured?")
     band = noise_cutoff(load, period) if cutoff is None else positive("motor_side", "cutoff", cutoff, "Hz")
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
-    drive = drive if delay is None else late(drive, period, number("motor_side", "delay", delay, "s"))
-    fixed = _terms(angle, drive, period, with_delay=delay is None)
+    # the unknowns' columns, (N,)
+    fixed = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
+    if delay is None:
+        fixed["delay"] = -np.gradient(drive, period)
+    else:
+        drive = late(drive, period, number("motor_side", "delay", delay, "s"))
     borne, target = checked_numbers("motor_side", "transmission", transmission) * load, -drive
     if current is None:
         target = target + borne
@@ -162,14 +166,6 @@ def _estimate(
         weights, spread = _by_gain(names, weights, spread, sign)
         scatter *= abs(float(weights[names.index("gain")]))
     return RotorEstimate(names, weights, spread, smoothing, scatter, ratio)
-
-
-def _terms(angle: Array, drive: Array, period: float, *, with_delay: bool) -> dict[str, Array]:
-    """Columns (N,) of the unknowns of either sign, by name."""
-    terms = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
-    if with_delay:
-        terms["delay"] = -np.gradient(drive, period)
-    return terms
 
 
 def _sign(passed: Array, column: int) -> float:
