@@ -13,7 +13,7 @@ from cutpoint.arrays import Array
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.columns import paired, reach_columns, strain_columns
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
-from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
+from cutpoint.identification.drives.spring_laws import SpringLaw, beside, fitted
 
 ROUNDS = 4
 """Rounds that fit the spring and the parallel elements in turn: hysteresis of a tenth of the torque converges."""
@@ -156,5 +156,5 @@ def _searched(law: SpringLaw, torque: Array, lead: Array, others: Array, near: A
     """The law's constants from some evenly spread samples; all samples refine them later.  near: as in `fitted`."""
     thin = slice(None, None, 1 + lead.size // SEARCHED)
     columns = others[thin]
-    basis, _ = np.linalg.qr(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
-    return fitted(law, torque[thin], lead[thin], lambda values: values - basis @ (basis.T @ values), near)
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+    return fitted(law, torque[thin], lead[thin], beside(columns), near)

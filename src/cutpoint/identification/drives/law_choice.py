@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.identification.drives.deflections import DeflectionFit
-from cutpoint.identification.drives.spring_laws import SpringLaw, fitted
+from cutpoint.identification.drives.spring_laws import SpringLaw, beside, fitted
 
 Name = TypeVar("Name", bound=Hashable)
 
@@ -58,16 +58,14 @@ def law_errors(law: SpringLaw, fit: DeflectionFit, torque: Array) -> Array:
     others = others / np.linalg.norm(others, axis=0)
     target = fit.law.deflection(fit.constants, torque) + fit.residual
     blocks = np.array_split(np.arange(torque.size), BLOCKS)
-    errors = (_error_without(block, law, others, target, torque) for block in blocks)
-    return np.array([*errors])
+    return np.array([_error_without(block, law, others, target, torque) for block in blocks])
 
 
 def _error_without(block: NDArray[np.intp], law: SpringLaw, others: Array, target: Array, torque: Array) -> float:
     """Mean square residual of a block under a fit of law and other columns (N, k) to all others, rad2."""
     kept = np.delete(np.arange(torque.size), block)
     some = kept[:: 1 + kept.size // SEARCHED]
-    basis, _ = np.linalg.qr(others[some])
-    constants = fitted(law, torque[some], target[some], lambda values: values - basis @ (basis.T @ values), None)
+    constants = fitted(law, torque[some], target[some], beside(others[some]), None)
     left = target - law.deflection(constants, torque)
     weights, *_ = np.linalg.lstsq(others[kept].T @ others[kept], others[kept].T @ left[kept])
     return float(np.mean((left[block] - others[block] @ weights) ** 2))

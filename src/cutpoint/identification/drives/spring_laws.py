@@ -102,6 +102,12 @@ def fitted(law: SpringLaw, torque: Array, rest: Array, project: Projection, near
     return np.exp(best.x)
 
 
+def beside(columns: Array) -> Projection:
+    """What columns (N, k) do not explain of values (N,)."""
+    basis, _ = np.linalg.qr(columns)
+    return lambda values: values - basis @ (basis.T @ values)
+
+
 def _slope(torque: Array, deflection: Array) -> float:
     """Compliance, rad/(N m); very small if the deflection does not follow the torque at all."""
     power = float(torque @ torque)
