@@ -1,4 +1,4 @@
-"""The triangular factor of a tall matrix: all that least squares need of it."""
+"""What least squares need of a tall matrix: its triangular factor, and the lengths of its columns."""
 
 import numpy as np
 from scipy.linalg import qr
@@ -16,3 +16,9 @@ def triangle(rows: Array) -> Array:
     for start in range(0, len(rows), CHUNK):
         R = np.asarray(qr(np.concatenate([R, rows[start : start + CHUNK]]), mode="r", check_finite=False)[0])[:width]
     return np.concatenate([R, np.zeros((width - len(R), width))])
+
+
+def lengths(columns: Array) -> Array:
+    """(k,), by which columns (N, k) are divided to be of length one; 1 for zero columns."""
+    found = np.linalg.norm(columns, axis=0)
+    return np.where(found > 0.0, found, 1.0)

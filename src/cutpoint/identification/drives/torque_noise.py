@@ -4,6 +4,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
+from cutpoint.identification.triangle import lengths
 
 ROUNDS = 3
 """Rounds: each leaves a share of the step before it, which is small if the noise is."""
@@ -32,8 +33,7 @@ def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
     """
     pull = np.zeros(fit.columns.shape[1])
     pull[fit.places["corrections"]] = data.shared_noise * np.sum(1.0 / fit.tangent**2)
-    size = np.linalg.norm(fit.columns, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
+    size = lengths(fit.columns)
     scaled = fit.columns / size
     return np.asarray(np.linalg.pinv(scaled.T @ scaled, hermitian=True) @ (pull / size) / size)
 
@@ -42,9 +42,8 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     """All stiffnesses scaled by one factor, with the deflection under other torques (N,) as instrument; all else but
     reaches changes with them."""
     count, beside = fit.law.stiffnesses, fit.beside_the_law
-    columns = fit.columns[:, beside]
-    size = np.linalg.norm(columns, axis=0)
-    columns = columns / np.where(size > 0.0, size, 1.0)
+    size = lengths(fit.columns[:, beside])
+    columns = fit.columns[:, beside] / size
     deflection = fit.law.deflection(fit.constants, data.torque)
     instrument = _beside(columns, fit.law.deflection(fit.constants, torque))
     alone = _beside(columns, deflection)
@@ -56,7 +55,7 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     weights = np.linalg.lstsq(columns, fit.residual - softer * deflection)[0]
     step = np.zeros(fit.columns.shape[1])
     step[:count] = fit.constants[:count] * (1.0 / (1.0 + softer) - 1.0)
-    step[beside] = weights / np.where(size > 0.0, size, 1.0)
+    step[beside] = weights / size
     return fit.moved(step, fit.residual - softer * deflection - columns @ weights)
 
 

@@ -13,6 +13,7 @@ from cutpoint.errors import InputError
 from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
 from cutpoint.identification.rigid.regression import Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
+from cutpoint.identification.triangle import lengths
 
 LATER = 3
 """Rows after which windows of a decimation share practically no samples."""
@@ -77,7 +78,6 @@ def _second_stage(regression: Regression, instruments: Array, noise: Array) -> t
     shape, weights = instruments.shape, 1.0 / noise[:, None]
     Z, W = ((weights * x).reshape(-1, shape[2]) for x in (instruments, regression.columns))
     y = (regression.torque / noise).reshape(-1)
-    length = np.linalg.norm(Z, axis=0)
-    U, s, _ = np.linalg.svd(Z / np.where(length, length, 1.0), full_matrices=False)
+    U, s, _ = np.linalg.svd(Z / lengths(Z), full_matrices=False)
     U = U[:, s > UNSEEN * s[0]]
     return (U @ (U.T @ W)).reshape(shape), *reduced(U.T @ np.column_stack([W, y]))

@@ -13,6 +13,7 @@ from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
 from cutpoint.identification.rigid.regression import Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
+from cutpoint.identification.triangle import lengths
 
 Method = Literal["ordinary", "weighted", "huber"]
 METHODS = get_args(Method)
@@ -117,8 +118,7 @@ def check_size(regression: Regression) -> None:
 
 def solved(R: Array, z: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """x of R x = z, (R^T R)^-1, and which parameters are observable, (c,); unobservable directions are left out."""
-    length = np.linalg.norm(R, axis=0)
-    length[length == 0.0] = 1.0
+    length = lengths(R)
     U, s, Vt = np.linalg.svd(R / length)
     kept = s > UNSEEN * s[0]
     inverse = Vt[kept].T / s[kept]
