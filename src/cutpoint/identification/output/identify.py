@@ -105,9 +105,8 @@ def identify(
     file = path_of("identify", source) if source is not None else None if isinstance(robot, Robot) else Path(robot)
     check_method(method)
     check_solver(solver)
-    filters = {"cutoff": cutoff, "bandwidth": bandwidth}
-    of_rigid = {"rotors": rotors, "method": method, "solver": solver, "torque_constants": torque_constants}
-    how: dict[str, Any] = of_rigid | filters
+    how: dict[str, Any] = {"rotors": rotors, "method": method, "solver": solver, "cutoff": cutoff}
+    how |= {"bandwidth": bandwidth, "torque_constants": torque_constants}
     with Steps(3, progress) as say:
         say("reading the log")
         logs = _each_once(log)
@@ -186,7 +185,7 @@ def _identification(
 ) -> Identification:
     """All results, in the numbers and words of a report."""
     rigid, sprung = found.rigid, found.drives
-    after, words = _joined(rigid.robot, sprung)
+    after, words = _with_springs(rigid.robot, sprung)
     words += _one_sided(before, recording)
     # of the log as it was read: resampled, a jump is less clear
     of_log = [*_noted(recording, *FALSE), *unlike_sides(recording)]
@@ -276,7 +275,7 @@ def _acting(recording: Recording, torque_delay: float) -> Recording:
     return replace(moved, notes=(*recording.notes, f"{', '.join(channels)} moved {when}, for all joints alike"))
 
 
-def _joined(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
+def _with_springs(robot: Robot, sprung: DriveEstimates | None) -> tuple[Robot, list[str]]:
     """The robot with the springs, in terms of a drive file; and what had to change for that."""
     notes: list[str] = []
     drives = {}
