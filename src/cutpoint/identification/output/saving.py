@@ -90,12 +90,14 @@ def _offsets(found: Identification) -> list[str]:
 
 def _robot_file(found: Identification) -> tuple[dict[str, bytes], list[str]]:
     source = found.source
-    if source is not None and source.suffix.lower() in (".urdf", ".xacro"):
-        is_xacro = source.suffix.lower() == ".xacro"
-        content = expand(source, found.xacro).encode() if is_xacro else read_bytes(source, MAXIMUM_BYTES)
+    kind = source.suffix.lower() if source else ""
+    if source and kind in (".urdf", ".xacro"):
+        content = expand(source, found.xacro).encode() if kind == ".xacro" else read_bytes(source, MAXIMUM_BYTES)
         text, moved = updated_urdf(content, found.before.mechanism, found.robot.mechanism, str(source))
         notes = [f"robot.urdf: {words}" for words in moved]
-        return {"robot.urdf": text}, [*notes, *(["robot.urdf is the expanded xacro file"] * is_xacro)]
+        if kind == ".xacro":
+            notes.append("robot.urdf is the expanded xacro file")
+        return {"robot.urdf": text}, notes
     what = "an MJCF file" if source else "a robot in memory"
     note = f"the robot is {what}, which is not rewritten: copy the numbers of robot.inertias.json into it by hand"
     return {"robot.inertias.json": json_bytes(bodies_of(found.robot))}, [note]
