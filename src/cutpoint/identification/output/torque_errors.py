@@ -87,8 +87,7 @@ class TorqueErrors:
 
     def bias(self) -> Array:
         """(n,) N m: mean of what torques exceed "after" by, on the held-out part."""
-        off = (self.measured - self.after)[self.held_out]
-        return _share(off, np.where(np.isfinite(off), 1.0, np.nan))
+        return mean_known((self.measured - self.after)[self.held_out])
 
     def burst(self) -> tuple[Array, Array]:
         """(n,) s, by joint: start and length of the shortest time that holds half of the squared error of "after", on
