@@ -90,7 +90,7 @@ class Table:
         return "".join(f"; {each}" for each in found[:SHOWN]) + ("; ..." if len(found) > SHOWN else "")
 
 
-def channel(values: Any, **words: Any) -> Channel | None:
+def channel(values: Any, unit: str = "") -> Channel | None:
     """An array of numbers as a channel, or None for anything else: a single number, texts, three axes, no samples.
 
     The longer axis of a matrix is taken for the samples, as no log has more joints than samples.
@@ -102,7 +102,7 @@ def channel(values: Any, **words: Any) -> Channel | None:
         array = array.T
     if array.ndim == 2 and array.shape[1] == 1:
         array = array[:, 0]
-    return Channel(array.astype(np.float64), **words)
+    return Channel(array.astype(np.float64), unit=unit)
 
 
 def check_size(size: int, what: str, place: str) -> None:
