@@ -60,11 +60,12 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
     joints = _joints(next(iter(columns.values())), mapping, robot)
     ratios = {name: drive.ratio for name, drive in robot.drives.items()} if robot else {}
     ratio = stated_ratio(joints, ratios, mapping)
-    slides = np.array([joint in _slides(robot) for joint in joints])
+    sliding = {*robot.mechanism.sliding} if robot else set[str]()
     chosen = {name: picked(quantities[name], each, joints) for name, each in columns.items()}
     if robot:
         for name, each in chosen.items():
-            check_kinds(quantities[name], each, joints, _slides(robot))
+            check_kinds(quantities[name], each, joints, sliding)
+    slides = np.array([joint in sliding for joint in joints])
     stated = [name for name, each in chosen.items() if quantities[name].sheet.unit or any(each.units)]
     measured = {name: in_si(quantities[name], each, ratio, slides) for name, each in chosen.items()}
     with placed(table.file):
@@ -83,11 +84,6 @@ def _cut(recording: Recording, stated: TimeSheet) -> Recording:
     if start == 0.0 and end >= last:
         return recording
     return recording.between(start, end).with_notes([f"used from {start:g} s to {min(end, last):g} s of {last:.4g} s"])
-
-
-def _slides(robot: Robot | None) -> set[str]:
-    """The prismatic joints, where known."""
-    return {*robot.mechanism.sliding} if robot else set()
 
 
 def _mapping(given: str | Path | Mapping[str, Any]) -> ChannelMap:
