@@ -145,7 +145,7 @@ class _Trial:
     def _of_others(self) -> Array:
         return np.array([block.T @ block for block in np.array_split(self.others, BLOCKS)])
 
-    def all(self, laws: list[Sliding]) -> list[Tried]:
+    def tried(self, laws: list[Sliding]) -> list[Tried]:
         return [(law, self.gram(law)) for law in laws]
 
     def best(self, tried: list[Tried]) -> Sliding:
@@ -203,14 +203,14 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         plain[type(expected).__name__.lower()].append(_with(expected, per_load=None, asymmetry=None))
     found: dict[str, list[Tried]] = {}
     for family, laws in plain.items():
-        found[family] = _refined(trial, trial.all(laws))
+        found[family] = _refined(trial, trial.tried(laws))
         law = trial.best(found[family])
-        found[f"{family}, asymmetric"] = _refined(trial, trial.all([_with(law, asymmetry=x) for x in ASYMMETRIES]))
+        found[f"{family}, asymmetric"] = _refined(trial, trial.tried([_with(law, asymmetry=x) for x in ASYMMETRIES]))
         if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
-            found[f"{family}, with load"] = _refined(trial, trial.all([_with(law, per_load=0.0)]))
+            found[f"{family}, with load"] = _refined(trial, trial.tried([_with(law, per_load=0.0)]))
         # an improvement from a longer search for the shape is not due to the richer law
         richer = [trial.best(tried) for name, tried in found.items() if name.startswith(f"{family}, ")]
-        found[family] += trial.all([_with(law, per_load=None, asymmetry=None) for law in richer])
+        found[family] += trial.tried([_with(law, per_load=None, asymmetry=None) for law in richer])
     return found
 
 
@@ -223,7 +223,7 @@ def _refined(trial: _Trial, tried: list[Tried]) -> list[Tried]:
         new = moved(law, dict(zip(names, x.tolist(), strict=True)))
         if not is_sharp(new, trial.widest):
             return float(np.finfo(float).max)
-        found.extend(trial.all([new]))
+        found.extend(trial.tried([new]))
         return trial.misfit(found[-1])
 
     start = np.zeros(len(names))
