@@ -231,14 +231,16 @@ def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str])
 
 def _standing(robot: Robot, log: TorqueData) -> list[str]:
     """Sentences on joints that stood still, and on those that hardly moved, as in a controller's hold."""
-    stood, travel = still_joints(robot, log.motion), np.ptp(log.motion.q[log.motion.known()], axis=0)
-    slight = dict(zip(robot.joints, travel < HARDLY * travel.max(), strict=True))
-    still, hardly = ", ".join(stood), ", ".join(joint for joint in robot.joints if slight[joint] and joint not in stood)
-    beside = "its numbers, and those of joints beside it, may be outside their intervals: move it"
-    return [words for which, words in (
-        (still, f"{still} stood still: what moves only with these, and their friction, is not told"),
-        (hardly, f"{hardly} hardly moved, less than {HARDLY:.0%} as far as another joint: {beside}"),
-    ) if which]  # fmt: skip
+    still, travel = still_joints(robot, log.motion), np.ptp(log.motion.q[log.motion.known()], axis=0)
+    slight = zip(robot.joints, travel < HARDLY * travel.max(), strict=True)
+    hardly = [joint for joint, is_slight in slight if is_slight and joint not in still]
+    notes: list[str] = []
+    if still:
+        notes.append(f"{', '.join(still)} stood still: what moves only with these, and their friction, is not told")
+    if hardly:
+        words = f"{', '.join(hardly)} hardly moved, less than {HARDLY:.0%} as far as another joint"
+        notes.append(f"{words}: its numbers, and those of joints beside it, may be outside their intervals: move it")
+    return notes
 
 
 def _simplified(model: RigidModel, robot: Robot) -> list[str]:
@@ -249,11 +251,14 @@ def _simplified(model: RigidModel, robot: Robot) -> list[str]:
         for joint, drive in robot.drives.items()
         if drive.link_friction and not drive.motor_friction and model.laws[joint].per_load is not None
     ]
-    spins = "their carriers' rotation about their axes does not load them here, and bodies absorb its effect"
-    loads = "only a motor's can, so it is now stated for the motor"
-    return [f"at {', '.join(joints)}, {words}" for joints, words in (
-        (coupled, f"rotors are fully coupled: {spins}"), (moved, f"friction grows with load: {loads}")
-    ) if joints]  # fmt: skip
+    notes: list[str] = []
+    if coupled:
+        effect = "their carriers' rotation about their axes does not load them here, and bodies absorb its effect"
+        notes.append(f"at {', '.join(coupled)}, rotors are fully coupled: {effect}")
+    if moved:
+        side = "only a motor's can, so it is now stated for the motor"
+        notes.append(f"at {', '.join(moved)}, friction grows with load: {side}")
+    return notes
 
 
 def _notes(log: TorqueData, found: Regression, estimate: Estimate) -> list[str]:
