@@ -58,7 +58,7 @@ class Information:
 
     def regressor(self, motion: Array) -> Array:
         """W of a motion (5, N, n): (N, n, columns), dimensionless."""
-        _, v, _, *_ = motion
+        v = motion[1]
         W = np.zeros((*v.shape, self.parameters))
         b, n = self.base.independent.size, v.shape[1]
         joints = np.arange(n)
