@@ -10,8 +10,7 @@ from cutpoint.arrays import Array
 from cutpoint.door import check_kind, checked_names, number
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.clock_skew import Skew, clock_skew
-from cutpoint.identification.conditioning.motion import moves
-from cutpoint.identification.logs.recording import Recording, check_recording
+from cutpoint.identification.logs.recording import Recording, check_recording, travel
 from cutpoint.identification.logs.resampling import on_grid
 
 LINK_SIDE = ("q", "v")
@@ -38,7 +37,7 @@ def skews(recording: Recording) -> dict[str, Skew]:
     found = {
         joint: _skew(recording["q"][:, k], recording["theta"][:, k], torques, k, period)
         for k, joint in enumerate(recording.joints)
-        if moves(recording["q"][:, k]) and moves(recording["theta"][:, k])
+        if travel(recording["q"][:, k]) and travel(recording["theta"][:, k])
     }
     if not found:
         raise InputError("no joint moves in both 'q' and 'theta': nothing shows a delay")

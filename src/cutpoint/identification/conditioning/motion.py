@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
@@ -57,7 +57,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     if not sides:
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
-    if not any(moves(x) for positions in sides.values() for x in positions.T):
+    if not any(travel(x) for positions in sides.values() for x in positions.T):
         words = f"no joint moves: {' and '.join(sides)} never change at {listed(robot.joints)}"
         raise InputError(f"{words}; record a motion, as of cutpoint excite, or map other channels")
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
@@ -70,12 +70,6 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
 def still_joints(robot: Robot, motion: Motion) -> list[str]:
     """Joints that stood still in the whole motion."""
     return [joint for joint, v in zip(robot.joints, motion.v.T, strict=True) if not np.nan_to_num(v).any()]
-
-
-def moves(positions: Array) -> bool:
-    """Whether positions (N,) change; NaN where unknown."""
-    known = positions[np.isfinite(positions)]
-    return bool(known.size and np.ptp(known) > 0.0)
 
 
 def _without_noise_at_rest(positions: Array) -> Array:

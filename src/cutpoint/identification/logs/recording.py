@@ -152,6 +152,12 @@ def _checked(name: str, values: Any, shape: tuple[int, int]) -> Array:
     return found
 
 
+def travel(values: Array) -> float:
+    """How far a joint's channel (N,) goes, NaN aside."""
+    known = values[np.isfinite(values)]
+    return float(np.ptp(known)) if known.size else 0.0
+
+
 def check_recording(function: str, recording: Any) -> None:
     """Raises InputError for an argument that is not a recording.  function: the caller."""
     check_kind(function, "recording", recording, Recording, "a Recording (read_recording reads logs)")

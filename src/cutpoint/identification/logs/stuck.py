@@ -6,7 +6,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.identification.logs.jumps import MOST_DEFLECTION
-from cutpoint.identification.logs.recording import EFFORTS, Recording
+from cutpoint.identification.logs.recording import EFFORTS, Recording, travel
 
 COPIED = "columns are equal"
 """Begins the note on copies, which is a doubt too."""
@@ -42,8 +42,8 @@ def stuck_notes(recording: Recording) -> list[str]:
         others = [recording[side] for side in sides if side != name]
         for j, (joint, x) in enumerate(zip(recording.joints, recording[name].T, strict=True)):
             start, end = _longest_hold(x)
-            least = [MOST_DEFLECTION if name in sides else TRAVEL * _travel(other[:, j]) for other in others]
-            if any(_travel(y[start:end, j]) > by for y, by in zip(others, least, strict=True)):
+            least = [MOST_DEFLECTION if name in sides else TRAVEL * travel(other[:, j]) for other in others]
+            if any(travel(y[start:end, j]) > by for y, by in zip(others, least, strict=True)):
                 found.append(f"{name} of {joint} from {recording.time[start]:.4g} to {recording.time[end - 1]:.4g} s")
     remedy = "leave these cells empty, or that part out"
     return [f"{STUCK}, as if they were no longer measured: {'; '.join(found)}: {remedy}"] if found else []
@@ -61,9 +61,3 @@ def _longest_hold(x: Array) -> tuple[int, int]:
     held = np.where(inside, np.diff(bounds), 0)
     k = int(np.argmax(held))
     return (int(bounds[k]), int(bounds[k + 1])) if held[k] > LONGER * x.size / held.size else (0, 0)
-
-
-def _travel(x: Array) -> float:
-    """How far a position (N,) goes."""
-    known = x[np.isfinite(x)]
-    return float(np.ptp(known)) if known.size else 0.0

@@ -9,7 +9,7 @@ from scipy.ndimage import binary_erosion
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
 from cutpoint.identification.logs.jumps import JUMPED, MOST_DEFLECTION, jump_notes
-from cutpoint.identification.logs.recording import Recording
+from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.spikes import SELDOM, without_spikes
 from cutpoint.identification.logs.stuck import COPIED, STUCK, copy_notes, stuck_notes
@@ -190,7 +190,7 @@ def _multiple(found: Array, expected: Array, time: Array) -> float | None:
     apart = found - expected
     known = np.isfinite(apart)
     drift = np.polynomial.Polynomial.fit(time[known], apart[known], 1)(time) if known.any() else 0.0
-    return None if np.ptp(_known(apart - drift)) < MOST_DEFLECTION else _factor(found, expected, time)
+    return None if travel(apart - drift) < MOST_DEFLECTION else _factor(found, expected, time)
 
 
 def _notes_on_factor(thing: str, other: str, factor: float | None) -> Iterator[str]:
@@ -222,7 +222,7 @@ def _known(x: Array) -> Array:
 
 
 def _is_constant(x: Array) -> bool:
-    return bool(np.isfinite(x).any() and np.ptp(_known(x)) == 0.0)
+    return bool(np.isfinite(x).any()) and travel(x) == 0.0
 
 
 def _is_cut_off(x: Array) -> bool:
