@@ -27,15 +27,13 @@ CLEAR = 1e-6
 
 def solve(fit: Fit) -> Array:
     """The unknowns of a fit, starting from the file's bodies.  Raises CutpointError if the search does not converge."""
-    whole = _unknowns(fit, np.zeros(10 * fit.bodies.count + fit.scale.size + fit.positive.size))
-    # rotors start at the file's, friction at least squares with all else as in the file
-    whole[fit.first_rotor : fit.first_other] = 1.0
-    free = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ whole)[0]
-    start = np.concatenate([np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), free])
-    low = np.full(start.size, -np.inf)
-    low[10 * fit.bodies.count :] = [*np.zeros(fit.scale.size), *np.where(fit.positive, 0.0, -np.inf)]
-    high = np.full(start.size, np.inf)
-    high[10 * fit.bodies.count + fit.scale.size :] = fit.most
+    bodies, rotors, others = np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), np.zeros(fit.positive.size)
+    # friction starts at least squares with all else as in the file
+    files = _unknowns(fit, np.concatenate([bodies, rotors, others]))
+    others = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ files)[0]
+    start = np.concatenate([bodies, rotors, others])
+    low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
+    high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
     slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
     with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
         found = least_squares(
