@@ -110,7 +110,7 @@ def corrected(rotor: RotorEstimate, spring: SpringEstimate) -> RotorEstimate:
     values[own] += spring.values[theirs]
     spread[own, :] = spread[:, own] = 0.0
     spread[np.ix_(own, own)] = spring.covariance[np.ix_(theirs, theirs)]
-    smoothing = rotor.smoothing + float(spring.values[spring.names.index("smoothing")])
+    smoothing = rotor.smoothing + spring["smoothing"]
     smoothing = min(max(smoothing, 0.5 * rotor.smoothing), 2.0 * rotor.smoothing)
     return replace(rotor, values=values, covariance=spread, smoothing=smoothing)
 
