@@ -104,8 +104,8 @@ def locked_output(
     if play < SIGNIFICANT * error:
         why["backlash"] = f"{play:.2g} +- {error:.2g} rad cannot be told from zero"
         play = 0.0
-    loss, deviations = float(np.interp(0.0, at, falling - rising)), {}
-    deviations["hysteresis_loss"] = float(np.sqrt(np.interp(0.0, at, variance)))
+    loss = float(np.interp(0.0, at, falling - rising))
+    deviations = {"hysteresis_loss": float(np.sqrt(np.interp(0.0, at, variance)))}
     if loss < SIGNIFICANT * deviations["hysteresis_loss"]:
         why["hysteresis_loss"] = _as_nothing(loss, deviations["hysteresis_loss"])
     lost = None
