@@ -102,16 +102,17 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
     if errors.speed()[j] == 0.0:
         return []  # it stood still, of which there is a note: its torque is whatever holds it
     fitted, held, before = errors.rms("after")[j], errors.rms("after", True)[j], errors.rms("before")[j]
-    is_large = held > LEAST_ERROR_SHARE * errors.size()[j]
+    size = errors.size()[j]
+    least = LEAST_ERROR_SHARE * size
     notes: list[str] = []
-    if fitted > POOR * errors.size()[j]:
-        what = f"the model misses its torque by {fitted:.3g} {unit} RMS, out of {errors.size()[j]:.3g}"
+    if fitted > POOR * size:
+        what = f"the model misses its torque by {fitted:.3g} {unit} RMS, out of {size:.3g}"
         turned = "is the sign of the torque or of the position reversed?"
         asked = f"it opposes what the files predict: {turned}" if errors.likeness()[j, j] < TURNED else ""
         notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
     if errors.speed(True)[j] < STILL * errors.speed()[j]:
         notes.append(" hardly moves on the part held out: its error there proves nothing")
-    if held > WORSE * fitted and is_large:
+    if held > max(WORSE * fitted, least):
         times = f"{held / fitted:.1f} times that on the fitted part"
         bias, reason = float(errors.bias()[j]), "it moves differently there, or the machine changed"
         if bias**2 > STEADY * held**2:
@@ -119,11 +120,11 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
             reason = f"its torque there is {what} in the mean, by a payload, or an offset that drifts"
         rule = "intervals are for one machine that stays as it is, and do not include this"
         notes.append(f": torque error on the part held out is {times}: {reason}; {rule}")
-    if ratio.is_more and is_large:
+    if ratio.is_more and held > least:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
         notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
     drift = float(errors.drift()[j])
-    if abs(drift) > max(DRIFTS * fitted, LEAST_ERROR_SHARE * errors.size()[j]):
+    if abs(drift) > max(DRIFTS * fitted, least):
         what = f"{abs(drift):.3g} {unit} {'more' if drift > 0.0 else 'less'}"
         remedy = "as if warming up: the result lies in between; record it warm, or for a shorter time"
         notes.append(f": friction takes {what} at the end of the log than at its beginning, {remedy}")
