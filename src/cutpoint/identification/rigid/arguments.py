@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from types import NoneType
+from typing import Any
 
 import numpy as np
 
@@ -37,9 +38,7 @@ def checked_friction(of_links: Mapping[str, Friction] | None, robot: Robot) -> M
     """Known link friction, by joint.  Raises InputError for anything else."""
     rule = "a mapping of joint names to laws, such as {'elbow': Coulomb(2.0, 0.5)}"
     check_kind("identify_rigid", "link_friction", of_links, (Mapping, NoneType), rule)
-    for joint, law in (of_links or {}).items():
-        checked_name("driven joint", joint, robot.joints)
-        check_kind("identify_rigid", f"link_friction[{joint!r}]", law, (Sliding, Presliding), "a law of friction")
+    check_parts("link_friction", of_links or {}, robot, (Sliding, Presliding), "a law of friction")
     return of_links or {}
 
 
@@ -47,10 +46,15 @@ def checked_errors(errors: Mapping[str, KinematicError] | None, robot: Robot) ->
     """Known kinematic errors, by joint.  Raises InputError for anything else."""
     rule = "a mapping of joint names to KinematicErrors"
     check_kind("identify_rigid", "kinematic_errors", errors, (Mapping, NoneType), rule)
-    for joint, error in (errors or {}).items():
-        checked_name("driven joint", joint, robot.joints)
-        check_kind("identify_rigid", f"kinematic_errors[{joint!r}]", error, KinematicError, "a KinematicError")
+    check_parts("kinematic_errors", errors or {}, robot, KinematicError, "a KinematicError")
     return errors or {}
+
+
+def check_parts(name: str, given: Mapping[str, Any], robot: Robot, kind: type | tuple[type, ...], rule: str) -> None:
+    """Raises InputError for parts of drives, by joint, that are of another kind, or of joints that are not driven."""
+    for joint, part in given.items():
+        checked_name("driven joint", joint, robot.joints)
+        check_kind("identify_rigid", f"{name}[{joint!r}]", part, kind, rule)
 
 
 def check_rotor_errors(errors: Mapping[str, float] | None, robot: Robot, sought: Sequence[str]) -> None:

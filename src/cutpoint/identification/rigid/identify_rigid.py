@@ -8,7 +8,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.door import check_kind, checked_name
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, check_friction, motion_of, sliding_speeds, torques_of
@@ -16,6 +15,7 @@ from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.rigid.arguments import (
     check_numbers,
+    check_parts,
     check_rotor_errors,
     checked_errors,
     checked_friction,
@@ -264,9 +264,8 @@ def _rotor_torques(base: BaseParameters, log: TorqueData, errors: Mapping[str, f
 def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:
     laws = stated_laws(robot, motion) | {choice.joint: choice.law for choice in choices}
     if isinstance(wish, Mapping):
-        for joint, law in wish.items():
-            check_kind("identify_rigid", f"friction[{joint!r}]", law, Sliding, "Coulomb's or Stribeck's law")
-            laws[checked_name("driven joint", joint, robot.joints)] = law
+        check_parts("friction", wish, robot, Sliding, "Coulomb's or Stribeck's law")
+        laws |= wish
     elif not isinstance(wish, tuple) and wish not in ("choose", "stated"):
         raise InputError(f"friction {wish!r} must be 'choose', 'stated', or laws by joint", friction=wish)
     return laws
