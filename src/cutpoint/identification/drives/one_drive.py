@@ -272,14 +272,14 @@ def _estimate(
 ) -> DriveEstimate:
     """The drive with all that was determined; a drive that stays rigid has no parts that act on a deflection."""
     clocks = clocks_differ(spring, rotor, link)
+    link = None if clocks else link
     why = {**spring.unidentifiable, **rotor.unidentifiable, **(_of_a_deflection(clocks) if clocks else {})}
-    notes = friction_notes(drive, spring, rotor, link) if link and not clocks else ()
+    notes = friction_notes(drive, spring, rotor, link) if link else ()
     changes: dict[str, object] = {}
-    if rotor.friction is not None and not clocks:
+    if link or (rotor.friction is not None and not clocks):
         changes["motor_friction"] = rotor.friction
-    if link and not clocks:
-        on_link = link.law(drive.link_friction, smoothing_of(drive, rotor.smoothing))
-        changes.update(motor_friction=rotor.friction, link_friction=on_link)
+    if link:
+        changes["link_friction"] = link.law(drive.link_friction, smoothing_of(drive, rotor.smoothing))
     if "rotor inertia" not in why:
         changes["rotor"] = replace(drive.rotor, inertia=rotor.inertia) if drive.rotor else Rotor(rotor.inertia)
     if rotor.torque_constant is not None:
