@@ -13,7 +13,7 @@ from cutpoint.identification.drives.rotor import RotorEstimate, vague
 from cutpoint.identification.drives.scatter import DEGREES
 from cutpoint.identification.drives.stated_parts import law_of, loss
 from cutpoint.identification.drives.two_encoders import SpringEstimate
-from cutpoint.identification.output.numbers import Number, Path
+from cutpoint.identification.output.numbers import EntryPath, Number
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.model.drive import Drive, Harmonic
 
@@ -54,7 +54,7 @@ class _Rows:
         self,
         name: str,
         found: tuple[float, float],
-        path: Path,
+        path: EntryPath,
         prior: float = UNKNOWN,
         thing: str = "",
         scale: float = 1.0,
@@ -103,7 +103,7 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
     scale, inertia = 1.0 / rotor.ratio**2, _found(rotor, "inertia")
     own: list[Number] = []
     if inertia:
-        path: Path = ("rotor", "inertia") if used else ()
+        path: EntryPath = ("rotor", "inertia") if used else ()
         own.append(rows.row("rotor inertia", inertia, path, stated, "rotor inertia", scale))
     common, vaguely = rows.why.get("motor friction", BY_COULOMB), rotor.unidentifiable.get("motor friction")
     for name in ("coulomb", "viscous"):
@@ -126,19 +126,13 @@ def _waves(rows: _Rows, spring: SpringEstimate, stated: Mapping[int, float]) -> 
     start = spring.names.index(f"sine {error.harmonics[0].order}")
     among = slice(start, start + 2 * len(error.harmonics))
     deviations = amplitude_errors(spring.values[among], spring.covariance[among, among]).tolist()
-    further: list[Path] = [("kinematic_error", "harmonics", str(k)) for k in range(len(error.harmonics) - 1)]
-    return [
-        rows.row(
-            f"kinematic error, order {wave.order}",
-            (float(wave.amplitude), deviation),
-            path,
-            stated.get(wave.order, UNKNOWN),
-            "kinematic_error",
-        )
-        for wave, deviation, path in zip(
-            error.harmonics, deviations, [("kinematic_error", "amplitude"), *further], strict=True
-        )
-    ]
+    paths: list[EntryPath] = [("kinematic_error", "amplitude")]
+    paths += [("kinematic_error", "harmonics", str(k)) for k in range(len(error.harmonics) - 1)]
+    found: list[Number] = []
+    for wave, deviation, path in zip(error.harmonics, deviations, paths, strict=True):
+        name, prior = f"kinematic error, order {wave.order}", stated.get(wave.order, UNKNOWN)
+        found.append(rows.row(name, (float(wave.amplitude), deviation), path, prior, "kinematic_error"))
+    return found
 
 
 def _loops(rows: _Rows, spring: SpringEstimate, stated: float) -> list[Number]:
@@ -151,11 +145,8 @@ def _loops(rows: _Rows, spring: SpringEstimate, stated: float) -> list[Number]:
     softness = float(spring.compliance.deflection(law.friction)) / float(law.friction)
     slope = 2.0 * softness * np.array(law.reach)
     deviation = float(np.sqrt(slope @ spring.covariance[np.ix_(used, used)] @ slope))
-    return [
-        rows.row(
-            "hysteresis loss", (float(slope @ law.stiffness), deviation), ("hysteresis", "loss"), stated, "hysteresis"
-        )
-    ]
+    width = float(slope @ law.stiffness), deviation
+    return [rows.row("hysteresis loss", width, ("hysteresis", "loss"), stated, "hysteresis")]
 
 
 def _stated(part: Any, name: str) -> float:

@@ -10,7 +10,8 @@ from cutpoint.identification.rigid.uncertainty import FRICTION, Parameter
 from cutpoint.model.units import SLIDING
 from cutpoint.robot import Robot
 
-Path = tuple[str, ...]
+EntryPath = tuple[str, ...]
+"""Keys, from a joint of a drive file to one of its numbers."""
 
 UNITS = {
     "m": "kg",
@@ -46,7 +47,7 @@ class Number:
     prior: float
     told: bool = True
     why: str = ""
-    path: Path = ()
+    path: EntryPath = ()
     scale: float = 1.0
 
     @property
@@ -89,7 +90,7 @@ def _of_parameter(robot: Robot, p: Parameter) -> Number:
     return Number(joint, p.name, unit, p.value, p.low, p.high, p.physical, p.prior, p.told, p.why, path, scale)
 
 
-def _place(robot: Robot, kind: str, joint: str) -> tuple[Path, float]:
+def _place(robot: Robot, kind: str, joint: str) -> tuple[EntryPath, float]:
     if not joint:
         return (), 1.0
     drive = robot.drives[joint]
