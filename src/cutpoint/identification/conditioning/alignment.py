@@ -112,10 +112,12 @@ def _notes(channels: str, measured: Mapping[str, Skew | float]) -> list[str]:
     words = {joint: _words(each) for joint, each in measured.items()}
     moved = [f"{joint} by {words[joint]}" for joint, each in measured.items() if _delay(each)]
     stayed = [f"{joint} ({words[joint]})" for joint, each in measured.items() if not _delay(each)]
-    notes = (
-        [f"{channels} moved earlier: {', '.join(moved)}; intervals do not include the error of this"] if moved else []
-    )
-    return [*notes, f"{channels} not moved, as no delay stands out: {', '.join(stayed)}"] if stayed else notes
+    notes: list[str] = []
+    if moved:
+        notes.append(f"{channels} moved earlier: {', '.join(moved)}; intervals do not include the error of this")
+    if stayed:
+        notes.append(f"{channels} not moved, as no delay stands out: {', '.join(stayed)}")
+    return notes
 
 
 def _words(given: Skew | float) -> str:
