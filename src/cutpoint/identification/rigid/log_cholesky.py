@@ -4,6 +4,7 @@ X = U U^T with U upper triangular, its diagonal exponentials: any ten numbers gi
 friction, which are single numbers, are bounded instead.
 """
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,10 +35,10 @@ def solve(fit: Fit) -> Array:
     start = np.concatenate([bodies, rotors, others])
     low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
     high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
-    slopes: Any = lambda x: _slopes(fit, x)  # noqa: E731
+    slopes: Any = partial(_slopes, fit)  # SciPy's stubs allow only names
     with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
         found = least_squares(
-            lambda x: _residuals(fit, x),
+            partial(_residuals, fit),
             np.clip(start, low + CLEAR, high - CLEAR),
             slopes,
             (low, high),
