@@ -12,7 +12,7 @@ from cutpoint.identification.conditioning.motion import Motion, motion_of, torqu
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.block_bootstrap import Ratio, error_ratio
 from cutpoint.identification.output.plain_model import plain_model
-from cutpoint.identification.rigid.identify_rigid import RigidEstimate, explained
+from cutpoint.identification.rigid.identify_rigid import RigidEstimate, bandwidth_of
 from cutpoint.identification.rigid.rigid_robot import link_torques
 from cutpoint.mechanics.drives.harmonic_drive import friction_torque
 from cutpoint.robot import Robot
@@ -121,7 +121,7 @@ def torque_errors(
     All are filtered as in the fit, or the models would differ by their filters.
     """
     motion = motion_of(robot, recording, rigid.cutoff)
-    width = explained(motion, bandwidth)
+    width = bandwidth_of(motion, bandwidth)
     recorded, held = torques_of(robot, recording, constants), recording.time >= held_from
     torques = (
         recorded,

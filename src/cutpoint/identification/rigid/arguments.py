@@ -21,7 +21,7 @@ def check_method(method: str) -> None:
     checked_name("method of identification", method, (*METHODS, "instrumental"))
 
 
-def check_numbers(method: str, instruments: Recording | None, level: float, spread: float) -> None:
+def check_options(method: str, instruments: Recording | None, level: float, spread: float) -> None:
     """Raises InputError for an unknown method, for instruments that do not match it, and for shares out of range."""
     check_method(method)
     rule = "a Recording of the commanded motion, at the same times"

@@ -14,7 +14,7 @@ from cutpoint.identification.conditioning.motion import Motion, check_friction, 
 from cutpoint.identification.logs.recording import Recording, check_recording
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.rigid.arguments import (
-    check_numbers,
+    check_options,
     check_parts,
     check_rotor_errors,
     checked_errors,
@@ -110,7 +110,7 @@ def identify_rigid(
     """
     check_robot("identify_rigid", robot)
     check_recording("identify_rigid", recording)
-    check_numbers(method, instruments, level, prior_spread)
+    check_options(method, instruments, level, prior_spread)
     check_solver(solver)
     check_friction("identify_rigid", robot)
     known, errors = checked_friction(link_friction, robot), checked_errors(kinematic_errors, robot)
@@ -180,7 +180,7 @@ def _loads(fitted: Fitted) -> Array:
     return transmitted(robot, motion, link_torques(robot, motion, model.inertial), model.of_links)
 
 
-def explained(motion: Motion, bandwidth: float | None) -> float:
+def bandwidth_of(motion: Motion, bandwidth: float | None) -> float:
     """Bandwidth of the fitted torques, Hz: that of the motion, at most BANDWIDTH, unless stated."""
     return min(motion.cutoff, BANDWIDTH) if bandwidth is None else bandwidth
 
@@ -198,7 +198,7 @@ def _log(
     stated = np.array([float(drive.reflected_inertia) for drive in robot.drives.values()])
     stated[[*rotors]] = 0.0
     torque = torque - stated * motion.w_dot
-    width = explained(motion, bandwidth)
+    width = bandwidth_of(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
     means, slopes = decimation(known, motion.period, width), error_slopes(robot, motion, errors)
     return TorqueData(motion, torque, means, stated, width, float(recording.time[0]), slopes)
