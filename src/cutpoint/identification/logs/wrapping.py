@@ -44,21 +44,29 @@ def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Seque
     a turn of zero.
     """
     found = values.copy()
-    for joint, x, spans in zip(joints, found.T, anew.T, strict=True):
+    for joint, x, own in zip(joints, found.T, anew.T, strict=True):
         known = np.isfinite(x)
-        t, longest = times[known], float(np.abs(np.diff(x[known])).max(initial=0.0))
-        for place in np.flatnonzero(0.5 * spans < longest):
-            jumps = _jumps(t, x[known], spans[place], is_counter=bool(place))
-            if jumps.any():
-                x[known] -= spans[place] * np.concatenate([[0.0], np.cumsum(jumps)])
-                of_joint = bool(np.isclose(spans[place], TURN))
-                if of_joint:
-                    x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
-                what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {spans[0]:.4g} rad at the joint,"
-                zero = "" if of_joint else "; from its first sample on: if it had jumped before, state 'offset'"
-                notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped{zero}")
-                break
+        place, jumps = _wraps(times[known], x[known], own)
+        if not jumps.any():
+            continue
+        x[known] -= own[place] * np.concatenate([[0.0], np.cumsum(jumps)])
+        of_joint = bool(np.isclose(own[place], TURN))
+        if of_joint:
+            x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
+        what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {own[0]:.4g} rad at the joint,"
+        zero = "" if of_joint else "; from its first sample on: if it had jumped before, state 'offset'"
+        notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped{zero}")
     return found
+
+
+def _wraps(times: Array, x: Array, anew: Array) -> tuple[int, Array]:
+    """Which of its sensor's spans (k,) a position (N,) without gaps jumps by, and its jumps; the first if by none."""
+    longest = float(np.abs(np.diff(x)).max(initial=0.0))
+    for place in np.flatnonzero(0.5 * anew < longest).tolist():
+        jumps = _jumps(times, x, anew[place], is_counter=place > 0)
+        if jumps.any():
+            return place, jumps
+    return 0, np.zeros(0)
 
 
 def _jumps(times: Array, x: Array, span: float, is_counter: bool) -> Array:
