@@ -4,7 +4,7 @@ both, by the torques of the robot's files."""
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,15 @@ AS_WELL = 1.2
 """Times the least that all joints lack: what leaves no more fits as well."""
 
 
+class _Change(NamedTuple):
+    """left: what joints lack to a correlation of one, in the mean, after a change of these.  turns: of their signs."""
+
+    left: float
+    what: str
+    joints: list[int]
+    turns: bool
+
+
 def swap_notes(robot: Robot, recording: Recording, errors: TorqueErrors, cutoff: float) -> list[str]:
     """A sentence if torques are clearly more like those that the files predict with two joints' columns exchanged, or
     with other signs.
@@ -40,19 +49,21 @@ def swap_notes(robot: Robot, recording: Recording, errors: TorqueErrors, cutoff:
     if not changes:
         return []
     motion, lacking = motion_of(robot, recording, cutoff), 1.0 - likeness
-    found: list[tuple[float, str, list[int], bool]] = []
+    found: list[_Change] = []
     for joints, order, signs in changes:
         for what, undone in _undone(robot, motion, errors, order, signs):
             left = 1.0 - np.diag(undone.likeness())
             own, mean = left[joints], float(left.mean())
             if own.max() < 1.0 - LIKE and own.sum() < CLOSER * lacking[joints].sum() and mean < lacking.mean():
-                found.append((mean, what, joints, bool((signs < 0.0).any())))
+                found.append(_Change(mean, what, joints, bool((signs < 0.0).any())))
     if not found:
         return []
-    best, what, joints, turns = min(found)
-    if turns:  # a joint that no other feels fits as well with its torque turned round as with its position
-        what = " or of ".join(x[1] for x in sorted(found) if x[2:] == (joints, turns) and x[0] <= AS_WELL * best)
-    return [_words(what, [robot.joints[j] for j in joints], turns)]
+    best = min(found)
+    what = best.what
+    if best.turns:  # a joint that no other feels fits as well with its torque turned round as with its position
+        alike = [each for each in sorted(found) if each.turns and each.joints == best.joints]
+        what = " or of ".join(each.what for each in alike if each.left <= AS_WELL * best.left)
+    return [_words(what, [robot.joints[j] for j in best.joints], best.turns)]
 
 
 def _changes(likeness: Array) -> list[tuple[list[int], NDArray[np.intp], Array]]:
