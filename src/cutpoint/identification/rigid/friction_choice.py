@@ -81,7 +81,7 @@ def choose_friction(
     noise: float,
     speed: Array,
     means: Means,
-    load: Array | None,
+    load: Array,
     offset: bool,
     expected: Sliding | None,
 ) -> FrictionChoice:
@@ -116,7 +116,7 @@ class _Trial:
     noise: float
     speed: Array
     means: Means
-    load: Array | None
+    load: Array
     offset: bool
 
     def gram(self, law: Sliding) -> Array:
@@ -206,7 +206,7 @@ def _tried(trial: _Trial, size: float, expected: Sliding | None) -> dict[str, li
         found[family] = _refined(trial, trial.tried(laws))
         law = trial.best(found[family])
         found[f"{family}, asymmetric"] = _refined(trial, trial.tried([_with(law, asymmetry=x) for x in ASYMMETRIES]))
-        if trial.load is not None and np.nanmax(np.abs(trial.load)) > 0.0:
+        if np.nanmax(np.abs(trial.load)) > 0.0:
             found[f"{family}, with load"] = _refined(trial, trial.tried([_with(law, per_load=0.0)]))
         # an improvement from a longer search for the shape is not due to the richer law
         richer = [trial.best(tried) for name, tried in found.items() if name.startswith(f"{family}, ")]

@@ -50,13 +50,10 @@ def parameters(
 ) -> tuple[Parameter, ...]:
     """All parameters with their intervals at a level, as 0.95.  sizes (c,): usual ones in such a robot."""
     values, deviations, margins = estimate.values, estimate.spread.deviations(), estimate.spread.margins(level)
-    reference = np.maximum(np.abs(values), sizes)
-    found: list[Parameter] = []
-    for k, name in enumerate(names):
-        why = _why(float(deviations[k]), float(reference[k]))
-        ends = float(values[k] - margins[k]), float(values[k] + margins[k])
-        found.append(Parameter(name, float(values[k]), *ends, float(physical[k]), float(prior[k]), not why, why))
-    return tuple(found)
+    reasons = map(_why, deviations.tolist(), np.maximum(np.abs(values), sizes).tolist())
+    numbers = np.column_stack([values, values - margins, values + margins, physical, prior]).tolist()
+    rows = zip(names, numbers, reasons, strict=True)
+    return tuple(Parameter(name, *own, told=not why, why=why) for name, own, why in rows)
 
 
 def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
