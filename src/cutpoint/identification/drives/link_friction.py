@@ -1,7 +1,6 @@
 """Link friction, which unlike the motor's deflects the spring: its size, and evidence against it."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -79,13 +78,13 @@ def _late(viscous: float, spring: SpringEstimate) -> float:
 
 def friction_notes(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, link: LinkFriction) -> tuple[str, ...]:
     """On which side the encoders see friction, a sentence each."""
-    stated: Literal["motor", "link"] = "motor" if drive.motor_friction and not drive.link_friction else "link"
+    stated, other = ("motor", "link") if drive.motor_friction and not drive.link_friction else ("link", "motor")
     on_link, on_motor = (max(x, 0.0) for x in (link.coulomb[0], rotor["coulomb"]))
+    size = {"link": on_link, "motor": on_motor}
     found: list[str] = []
     if on_link > SIGNIFICANT * link.coulomb[1] or stated == "link":
-        side = {"motor": "link", "link": "motor"}[stated]
-        outweighs = on_motor > ONE_SIDED * on_link if side == "motor" else on_link > ONE_SIDED * on_motor
-        remedy = "" if not outweighs else f": state its friction under `friction: {{{side}: ...}}`"
+        outweighs = size[other] > ONE_SIDED * size[stated]
+        remedy = f": state its friction under `friction: {{{other}: ...}}`" if outweighs else ""
         found.append(f"of the dry friction, {on_motor:.3g} N m is the motor's and {on_link:.3g} N m the link's{remedy}")
     value, deviation = link.viscous
     if value > SIGNIFICANT * deviation and on_motor > on_link:

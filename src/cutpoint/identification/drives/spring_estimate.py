@@ -165,10 +165,10 @@ def _likeness(x: Array, y: Array) -> float:
 
 
 def _bare(data: Deflections, fit: DeflectionFit) -> str:
-    least, largest = (float(each(np.abs(data.torque))) for each in (np.min, np.max))
-    if fit.law.constants == ("stiffness",) or least < NEAR_ZERO * largest:
+    size = np.abs(data.torque)
+    if fit.law.constants == ("stiffness",) or size.min() < NEAR_ZERO * size.max():
         return ""
-    return f"torque was never below {least:.3g} N m: the curve there is extrapolated; excite on both sides of zero"
+    return f"torque was never below {size.min():.3g} N m: the curve there is extrapolated; excite on both sides of zero"
 
 
 def _closed(data: Deflections, fit: DeflectionFit) -> str:

@@ -57,7 +57,7 @@ def parameters(
 
 
 def are_told(estimate: Estimate, first: int, sizes: Array) -> NDArray[np.bool_]:
-    """Which of the first k parameters a log determines, (k,); sizes (k,): usual ones in such a robot."""
+    """Which parameters, the `first` and all after it, a log determines, (k,); sizes (k,): usual in such a robot."""
     reference = np.maximum(np.abs(estimate.values[first:]), sizes)
     return np.asarray(estimate.spread.deviations()[first:] <= TOLD * reference)
 
