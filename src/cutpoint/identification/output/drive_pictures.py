@@ -75,14 +75,13 @@ def loop_picture(robot: Robot, drives: DriveEstimates, found: Mapping[str, Bendi
             axes.plot(1e3 * np.asarray(law.deflection(torque)), torque, color=SPRING, linewidth=0.8, label="spring")
         titled(axes, f"{joint}: torque [{forces[joint]}]")
         axes.set_xlabel(f"deflection [{ways[joint]}]")
-    if panels:
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
 
 
 def _panels(count: int, height: float) -> tuple[Figure, list[Axes]]:
     """So many panels, at most two per row; height: of a row."""
-    columns = min(max(count, 1), 2)
+    columns = min(count, 2)
     rows = -(-count // columns)
     figure = Figure(figsize=(WIDTH, 0.6 + height * rows), layout="constrained")
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
