@@ -35,9 +35,9 @@ CHANGE = 1e-4
 
 
 def best_shapes(
-    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData, loads: Array, offsets: bool
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData, offsets: bool
 ) -> dict[str, Sliding]:
-    """The laws, with the shapes that explain the torques best for some joints.  loads: (N, n), N m.
+    """The laws, with the shapes that explain the torques best for some joints.
 
     offsets: whether each torque may have a constant offset; this and an asymmetry differ only at rest, so that each
     could cancel the other: asymmetries then stay as they are.
@@ -46,9 +46,9 @@ def best_shapes(
     found, steps = dict(laws), dict[Shape, float]()
     for _ in range(STEPS if joints else 0):
         linear = regression(
-            base, found, log.motion, log.torque, log.means, offsets=offsets, loads=loads, inertial=inertial
+            base, found, log.motion, log.torque, log.means, offsets=offsets, loads=log.loads, inertial=inertial
         )
-        steps = _steps(base, found, joints, log, loads, linear, offsets)
+        steps = _steps(base, found, joints, log, linear, offsets)
         for (joint, name), step in steps.items():
             found[joint] = moved(found[joint], {name: step})
         if max(map(abs, steps.values())) < SETTLED:
@@ -67,7 +67,6 @@ def _steps(
     laws: Laws,
     joints: Collection[str],
     log: TorqueData,
-    loads: Array,
     linear: Regression,
     offsets: bool,
 ) -> dict[Shape, float]:
@@ -75,7 +74,7 @@ def _steps(
     weights, _ = huber_weights(linear)
     values = solved(*weighted(linear, weights))[0]
     laws = laws_with(laws, dict(zip(linear.names, values.tolist(), strict=True)))
-    shapes, slopes = shape_slopes(base, laws, joints, log, loads)
+    shapes, slopes = shape_slopes(base, laws, joints, log)
     sought = [k for k, (_, name) in enumerate(shapes) if not (offsets and name == "asymmetry")]
     shapes, slopes = [shapes[k] for k in sought], slopes[..., sought]
     steps = solved(*weighted(linear.with_columns(slopes), weights))[0][-len(shapes) :]
@@ -83,7 +82,7 @@ def _steps(
 
 
 def shape_slopes(
-    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData, loads: Array
+    base: BaseParameters, laws: Laws, joints: Collection[str], log: TorqueData
 ) -> tuple[list[Shape], Array]:
     """The k shape parameters of some joints' laws, and derivatives (M, n, k) of the torques by them."""
     shapes = [(joint, name) for joint in joints for name in shape_of(laws[joint])]
@@ -91,7 +90,7 @@ def shape_slopes(
     found: list[Array] = [np.empty((log.means.size, len(order), 0))]
     for joint, name in shapes:
         j = order.index(joint)
-        ends = [moved(laws[joint], {name: x}).torque(speeds[:, j], loads[:, j]) for x in (CHANGE, -CHANGE)]
+        ends = [moved(laws[joint], {name: x}).torque(speeds[:, j], log.loads[:, j]) for x in (CHANGE, -CHANGE)]
         slope = log.means((ends[0] - ends[1]) / (2.0 * CHANGE))
         found.append(of_joint(slope[:, None], j, len(order)))
     return shapes, np.concatenate(found, axis=2)

@@ -118,23 +118,21 @@ def identify_rigid(
     check_rotor_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants, errors)
     laws = stated_laws(robot, log.motion)
-    of_links = friction_of_links(robot, laws, known)
-    loads = transmitted(robot, log.motion, link_torques(robot, log.motion, robot.inertial_parameters), of_links)
+    log = _loaded(log, robot, robot.inertial_parameters, friction_of_links(robot, laws, known))
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     how = _How(method, asked, offsets, (), rotor_errors or {}, known, errors, prior_spread, solver)
     if errors or friction == "choose" or isinstance(friction, tuple):
         # errors' reaction depends on the load, friction may; the file's bodies may be far off
-        loads = _loads(_fitted(base, laws, log, loads, how))
-    relieved = log.without_errors(loads)
-    choices = _choices(base, relieved, loads, offsets) if friction == "choose" else ()
+        log = _loaded_as(_fitted(base, laws, log, how))
+    choices = _choices(base, log, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
-        choices = _shaped(friction, base, relieved, loads, offsets)
+        choices = _shaped(friction, base, log, offsets)
     laws = _laws(robot, log.motion, friction, choices)
     how = how._replace(shaped=[choice.joint for choice in choices])
-    fitted = _fitted(base, laws, log, loads, how)
+    fitted = _fitted(base, laws, log, how)
     is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
     for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
-        fitted = _fitted(base, laws, log, _loads(fitted), how)
+        fitted = _fitted(base, laws, _loaded_as(fitted), how)
     result = estimate_of(fitted, level, choices, recording.notes)
     return _with_note_on_lags(result) if method == "instrumental" and instruments is None else result
 
@@ -156,16 +154,12 @@ class _How(NamedTuple):
     solver: Solver
 
 
-def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, loads: Array, how: _How) -> Fitted:
-    """The fit of the torques, with physically consistent bodies.
-
-    loads: (N, n), N m, on which friction may depend, and of which kinematic errors take a share.
-    """
-    log = log.without_errors(loads)
-    of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=how.offsets, loads=loads)
+def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, how: _How) -> Fitted:
+    """The fit of the torques, with physically consistent bodies."""
+    of = partial(regression, base, laws, torque=log.torque, means=log.means, offsets=how.offsets, loads=log.loads)
     found, instead = of(log.motion), None if how.asked is None else of(how.asked).columns
     values = _estimate(found, how.method, instead).values.tolist()
-    _, shapes = shape_slopes(base, laws_with(laws, dict(zip(found.names, values, strict=True))), how.shaped, log, loads)
+    _, shapes = shape_slopes(base, laws_with(laws, dict(zip(found.names, values, strict=True))), how.shaped, log)
     estimate = _estimate(found, how.method, instead, shapes, _rotor_torques(base, log, how.rotor_errors))
     sizes = sizes_of_others(base, log, found.names[base.independent.size :])
     told = are_told(estimate, base.independent.size, sizes)
@@ -174,10 +168,16 @@ def _fitted(base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, 
     return Fitted(base, laws, how.link_friction, how.kinematic_errors, log, found, estimate, bodies)
 
 
-def _loads(fitted: Fitted) -> Array:
-    """(N, n), N m: torques through the drives, according to a fit."""
-    robot, motion, model = fitted.base.robot, fitted.log.motion, fitted.model
-    return transmitted(robot, motion, link_torques(robot, motion, model.inertial), model.of_links)
+def _loaded_as(fitted: Fitted) -> TorqueData:
+    """The log with the loads of drives according to its fit."""
+    model = fitted.model
+    return _loaded(fitted.log, fitted.base.robot, model.inertial, model.of_links)
+
+
+def _loaded(log: TorqueData, robot: Robot, inertial: Array, of_links: Mapping[str, Friction]) -> TorqueData:
+    """The log with the loads of drives by inertial parameters (10 bodies,) and the links' friction."""
+    links = link_torques(robot, log.motion, inertial)
+    return log._replace(loads=transmitted(robot, log.motion, links, of_links))
 
 
 def bandwidth_of(motion: Motion, bandwidth: float | None) -> float:
@@ -201,7 +201,8 @@ def _log(
     width = bandwidth_of(motion, bandwidth)
     known = motion.known() & np.isfinite(torque).all(axis=1)
     means, slopes = decimation(known, motion.period, width), error_slopes(robot, motion, errors)
-    return TorqueData(motion, torque, means, stated, width, float(recording.time[0]), slopes)
+    start = float(recording.time[0])
+    return TorqueData(motion, torque, means, stated, width, start, slopes, loads=np.zeros_like(torque))
 
 
 def _estimate(found: Regression, method: Method, instruments: Array | None, *beside: Array) -> Estimate:
@@ -211,14 +212,14 @@ def _estimate(found: Regression, method: Method, instruments: Array | None, *bes
     return least_squares(found, method, *beside)
 
 
-def _choices(base: BaseParameters, log: TorqueData, loads: Array, offsets: bool) -> tuple[FrictionChoice, ...]:
+def _choices(base: BaseParameters, log: TorqueData, offsets: bool) -> tuple[FrictionChoice, ...]:
     """The law of each moving joint, from its torques less those of the links.
 
     The links' torques come from a fit with the stated laws, and are uncertain by its deviations.  That fit lumps some
     rotors with their links: where friction reverses, their motors move otherwise, which counts as uncertain too.
     """
     laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
-    first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=loads)
+    first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=log.loads)
     estimate = least_squares(first)
     variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
     likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
@@ -230,17 +231,17 @@ def _choices(base: BaseParameters, log: TorqueData, loads: Array, offsets: bool)
         speed, others = speeds[:, j], np.column_stack([first.columns[:, j, :b] @ likely, winding[:, j]])
         if np.nanstd(speed) > 0.0:
             noise = float(estimate.noise[j])
-            own, load, law = torque[:, j], loads[:, j], laws[joint] if is_stated(base.robot, joint) else None
+            own, load, law = torque[:, j], log.loads[:, j], laws[joint] if is_stated(base.robot, joint) else None
             found.append(choose_friction(joint, own, others, noise, speed, log.means, load, offsets, law))
-    return _shaped(tuple(found), base, log, loads, offsets)
+    return _shaped(tuple(found), base, log, offsets)
 
 
 def _shaped(
-    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: TorqueData, loads: Array, offsets: bool
+    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: TorqueData, offsets: bool
 ) -> tuple[FrictionChoice, ...]:
     """The same laws with the shapes that fit the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
-    shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, loads, offsets)
+    shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, offsets)
     units = at_joints(base.robot, "N m")
     return tuple(replace(each, law=shaped[each.joint], unit=units[each.joint]) for each in choices)
 

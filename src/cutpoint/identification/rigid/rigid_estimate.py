@@ -97,21 +97,25 @@ class RigidEstimate:
 class TorqueData(NamedTuple):
     """A recording as used: all samples, and their decimation.
 
-    stated: reflected inertias (n,), kg m2, of rotors that are not sought, 0 for others.  width: Hz, of the means.
-    start: s, of the first sample.  slopes: (N, n), as in `error_slopes`.
+    of_motors: torques (N, n), N m, less those of rotors that are not sought.  stated: reflected inertias (n,), kg m2,
+    of these, 0 for others.  width: Hz, of the means.  start: s, of the first sample.  slopes: (N, n), as in
+    `error_slopes`.  loads: (N, n), N m, that the drives transmit, as far as they are known: friction may depend on
+    them, and kinematic errors take a share of them.
     """
 
     motion: Motion
-    torque: Array
+    of_motors: Array
     means: Decimation
     stated: Array
     width: float
     start: float
     slopes: Array
+    loads: Array
 
-    def without_errors(self, loads: Array) -> "TorqueData":
-        """With the torques of drives without kinematic errors.  loads: (N, n) N m that the drives transmit."""
-        return self._replace(torque=self.torque + self.slopes * loads)
+    @property
+    def torque(self) -> Array:
+        """(N, n), N m: of drives without kinematic errors."""
+        return self.of_motors + self.slopes * self.loads
 
 
 class Fitted(NamedTuple):
