@@ -117,17 +117,17 @@ def identify_rigid(
     base = base_parameters(robot, rotors=rotors)
     check_rotor_errors(rotor_errors, robot, [robot.joints[j] for j in base.rotors])
     log = _log(robot, recording, base.rotors, cutoff, bandwidth, torque_constants, errors)
-    laws = stated_laws(robot, log.motion)
-    log = _loaded(log, robot, robot.inertial_parameters, friction_of_links(robot, laws, known))
+    stated = stated_laws(robot, log.motion)
+    log = _loaded(log, robot, robot.inertial_parameters, friction_of_links(robot, stated, known))
     asked = None if instruments is None else _asked(robot, recording, instruments, log.motion.cutoff)
     how = _How(method, asked, offsets, (), rotor_errors or {}, known, errors, prior_spread, solver)
     if errors or friction == "choose" or isinstance(friction, tuple):
         # errors' reaction depends on the load, friction may; the file's bodies may be far off
-        log = _loaded_as(_fitted(base, laws, log, how))
-    choices = _choices(base, log, offsets) if friction == "choose" else ()
+        log = _loaded_as(_fitted(base, stated, log, how))
+    choices = _choices(base, stated, log, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
-        choices = _shaped(friction, base, log, offsets)
-    laws = _laws(robot, log.motion, friction, choices)
+        choices = _shaped(friction, base, stated, log, offsets)
+    laws = _laws(robot, stated, friction, choices)
     how = how._replace(shaped=[choice.joint for choice in choices])
     fitted = _fitted(base, laws, log, how)
     is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
@@ -212,13 +212,15 @@ def _estimate(found: Regression, method: Method, instruments: Array | None, *bes
     return least_squares(found, method, *beside)
 
 
-def _choices(base: BaseParameters, log: TorqueData, offsets: bool) -> tuple[FrictionChoice, ...]:
+def _choices(
+    base: BaseParameters, laws: Mapping[str, Sliding], log: TorqueData, offsets: bool
+) -> tuple[FrictionChoice, ...]:
     """The law of each moving joint, from its torques less those of the links.
 
     The links' torques come from a fit with the stated laws, and are uncertain by its deviations.  That fit lumps some
     rotors with their links: where friction reverses, their motors move otherwise, which counts as uncertain too.
     """
-    laws, b, found = stated_laws(base.robot, log.motion), base.independent.size, list[FrictionChoice]()
+    b, found = base.independent.size, list[FrictionChoice]()
     first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=log.loads)
     estimate = least_squares(first)
     variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
@@ -233,15 +235,19 @@ def _choices(base: BaseParameters, log: TorqueData, offsets: bool) -> tuple[Fric
             noise = float(estimate.noise[j])
             own, load, law = torque[:, j], log.loads[:, j], laws[joint] if is_stated(base.robot, joint) else None
             found.append(choose_friction(joint, own, others, noise, speed, log.means, load, offsets, law))
-    return _shaped(tuple(found), base, log, offsets)
+    return _shaped(tuple(found), base, laws, log, offsets)
 
 
 def _shaped(
-    choices: tuple[FrictionChoice, ...], base: BaseParameters, log: TorqueData, offsets: bool
+    choices: tuple[FrictionChoice, ...],
+    base: BaseParameters,
+    laws: Mapping[str, Sliding],
+    log: TorqueData,
+    offsets: bool,
 ) -> tuple[FrictionChoice, ...]:
     """The same laws with the shapes that fit the torques of all joints best, and their units."""
     chosen = {each.joint: each.law for each in choices}
-    shaped = best_shapes(base, stated_laws(base.robot, log.motion) | chosen, chosen, log, offsets)
+    shaped = best_shapes(base, {**laws, **chosen}, chosen, log, offsets)
     units = at_joints(base.robot, "N m")
     return tuple(replace(each, law=shaped[each.joint], unit=units[each.joint]) for each in choices)
 
@@ -262,8 +268,11 @@ def _rotor_torques(base: BaseParameters, log: TorqueData, errors: Mapping[str, f
     return np.asarray(log.means(log.motion.w_dot * sizes)[..., None] * np.eye(sizes.size))
 
 
-def _laws(robot: Robot, motion: Motion, wish: FrictionWish, choices: tuple[FrictionChoice, ...]) -> dict[str, Sliding]:
-    laws = stated_laws(robot, motion) | {choice.joint: choice.law for choice in choices}
+def _laws(
+    robot: Robot, stated: Mapping[str, Sliding], wish: FrictionWish, choices: tuple[FrictionChoice, ...]
+) -> dict[str, Sliding]:
+    """The law of each joint: stated, chosen, or wished for."""
+    laws = {**stated, **{choice.joint: choice.law for choice in choices}}
     if isinstance(wish, Mapping):
         check_parts("friction", wish, robot, Sliding, "Coulomb's or Stribeck's law")
         laws |= wish
