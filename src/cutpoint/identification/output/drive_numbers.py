@@ -15,7 +15,7 @@ from cutpoint.identification.drives.stated_parts import law_of, loss
 from cutpoint.identification.drives.two_encoders import SpringEstimate
 from cutpoint.identification.output.numbers import EntryPath, Number
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
-from cutpoint.model.drive import Drive, Harmonic
+from cutpoint.model.drive import Drive
 
 UNKNOWN = float("nan")
 
@@ -85,7 +85,7 @@ def drive_numbers(joint: str, before: Drive, found: DriveEstimate, rotors: bool)
         damping = damping[0], float(np.hypot(damping[1], late))
         own.append(rows.row("damping", damping, ("damping",), _stated(before, "damping"), "damping"))
     loops = _loops(rows, spring, loss(before))
-    waves = _waves(rows, spring, {wave.order: float(wave.amplitude) for wave in _stated_waves(before)})
+    waves = _waves(rows, spring, before.kinematic_error)
     return (*own, *loops, *waves, *_of_rotor(rows, found.rotor, stated, rotors))
 
 
@@ -113,16 +113,13 @@ def _of_rotor(rows: _Rows, rotor: RotorEstimate, stated: float, used: bool) -> l
     return own
 
 
-def _stated_waves(drive: Drive) -> tuple[Harmonic, ...]:
-    """The stated waves; none for a user's own law of kinematic error."""
-    return drive.kinematic_error.harmonics if isinstance(drive.kinematic_error, KinematicError) else ()
-
-
-def _waves(rows: _Rows, spring: SpringEstimate, stated: Mapping[int, float]) -> list[Number]:
-    """Amplitudes of the kinematic error's waves; stated: by order."""
+def _waves(rows: _Rows, spring: SpringEstimate, before: Any) -> list[Number]:
+    """Amplitudes of the kinematic error's waves; before: the stated error, of which a user's own law has no waves."""
     if spring.kinematic_error is None:
         return []
     error: Any = spring.kinematic_error
+    waves = before.harmonics if isinstance(before, KinematicError) else ()
+    stated = {wave.order: float(wave.amplitude) for wave in waves}
     start = spring.names.index(f"sine {error.harmonics[0].order}")
     among = slice(start, start + 2 * len(error.harmonics))
     deviations = amplitude_errors(spring.values[among], spring.covariance[among, among]).tolist()

@@ -66,7 +66,8 @@ class BaseParameters:
     @property
     def nominal(self) -> Array:
         """The base parameters (b,) of the robot's own inertias; a missing rotor counts as none."""
-        return self.matrix @ _parameters_of(self.robot, self.rotors)
+        reflected = [self.robot.drives[self.robot.joints[j]].reflected_inertia for j in self.rotors]
+        return self.matrix @ np.array([*self.robot.inertial_parameters, *reflected], dtype=np.float64)
 
     def regressor(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """(..., nv, b): joint torques of a motion are regressor @ base parameters.
@@ -168,11 +169,6 @@ def _regressor(robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, rotors: S
         at = robot.machine.drives[joint].v
         armatures[..., at, k] = np.asarray(a, float)[..., at]
     return np.concatenate([Y, armatures], axis=-1)
-
-
-def _parameters_of(robot: Robot, rotors: Sequence[int]) -> Array:
-    reflected = [robot.drives[robot.joints[j]].reflected_inertia for j in rotors]
-    return np.array([*robot.inertial_parameters, *reflected], dtype=np.float64)
 
 
 def _names(robot: Robot, rotors: Sequence[int]) -> tuple[str, ...]:

@@ -148,7 +148,8 @@ def estimate_of(
 ) -> RigidEstimate:
     """The estimate of a fit, with intervals at a level."""
     base, log, found, estimate, model = fitted.base, fitted.log, fitted.regression, fitted.estimate, fitted.model
-    robot, table, steady = base.robot, _table(fitted, level), _steady(fitted)
+    robot, table = base.robot, _table(fitted, level)
+    steady = without_reversals(sliding_speeds(robot, log.motion), log.motion, log.means)
     return RigidEstimate(
         robot=model.robot(robot),
         model=model,
@@ -187,12 +188,6 @@ def _curves(fitted: Fitted, choices: Sequence[FrictionChoice]) -> list[str]:
             rule = "its numbers mean little singly, and it does not extrapolate: record faster motion to use it there"
             notes.append(f"{joint}: friction is a curve through this log's speeds, {speeds}: {rule}")
     return notes
-
-
-def _steady(fitted: Fitted) -> NDArray[np.bool_]:
-    """Which means are away from every joint's reversals."""
-    log = fitted.log
-    return without_reversals(sliding_speeds(fitted.base.robot, log.motion), log.motion, log.means)
 
 
 def _scaled(fitted: Fitted) -> list[str]:
