@@ -62,7 +62,7 @@ def picked(quantity: Mapped, columns: Columns, joints: Sequence[str]) -> Columns
     if set(joints) <= set(columns.labels):
         chosen = [columns.labels.index(joint) for joint in joints]
         units = tuple(columns.units[k] for k in chosen)
-        return Columns(columns.values[:, chosen], tuple(joints), units, columns.stamps)
+        return columns._replace(values=columns.values[:, chosen], labels=tuple(joints), units=units)
     if columns.values.shape[1] != len(joints) or set(joints) & set(columns.labels):
         shown = f", labelled {listed(columns.labels)}" if columns.labels else ""
         found = f"{quantity.name} has {counted(columns.values.shape[1], 'column')}{shown}"
