@@ -8,7 +8,7 @@ import pytest
 from drive_benches import PERIOD, RATIO, TURN, pendulum
 
 from cutpoint.identification import Recording
-from cutpoint.identification.drives import identify_drives, one_drive
+from cutpoint.identification.drives import identify_drives, turns
 
 LINK, ROTOR, STIFFNESS, DAMPING = 2.22, 0.4, 7000.0, 3.0
 """kg m2 about the axis, at the joint's side; N m/rad; N m s/rad."""
@@ -67,7 +67,7 @@ def log() -> Recording:
 @pytest.mark.parametrize("band", [10.0, 20.0, 40.0])
 def test_damping_is_found_in_a_band_narrower_than_the_waves(monkeypatch: pytest.MonkeyPatch, band: float):
     # the waves reach 50 Hz; coarse encoders of motors leave bands like these
-    monkeypatch.setattr(one_drive, "clear_acceleration", lambda *_: (band, 0.0))
+    monkeypatch.setattr(turns, "clear_acceleration", lambda *_: (band, 0.0))
     found = identify_drives(pendulum(), log(), 1e-6, torque_delay=0.5 * PERIOD).joints["axle"]
     assert found.spring.damping == pytest.approx(DAMPING, rel=0.005)
     assert found.spring["stiffness"] == pytest.approx(STIFFNESS, rel=1e-4)

@@ -32,3 +32,8 @@ def test_torques_that_do_not_separate_rotor_and_link_make_no_rotor_heavy():
     in noise of 14 % of the torques."""
     arm = case(120, noise=0.5)
     assert arm.ratio.max() < 1.5
+
+
+def test_a_spring_that_turns_lose_is_found_with_the_rotor_that_the_links_show():
+    """In noise of a fifth of a joint's torque spring and rotor went astray together, to a fifth of the stiffness."""
+    assert case(103, noise=0.5).hits["stiffness"] == [True, True, True]

@@ -20,6 +20,7 @@ class TorqueReading:
     unknowns: derivatives (N,) of the torque by its unknown corrections, by name; these are estimated.
     shared_noise: covariance of the noise in these derivatives with that in the torque; for an inertia, the
     acceleration's noise is in both.  The resulting bias counts as uncertainty.
+    errors: (N, m), N m, possible errors of the torque, one standard deviation each; they count as uncertainty, too.
     transmission: (N,), 1 - e'(theta), by which a motor's torque was divided: the estimated kinematic error then acts
     both on the encoders and on the torque ratio of spring and motor.  None for the link's.
     noise: RMS of the encoders', rad; residuals beyond it are due to the torque.  By default all is the encoders'.
@@ -31,6 +32,7 @@ class TorqueReading:
 
     unknowns: Mapping[str, Array] = field(default_factory=dict)
     shared_noise: Mapping[str, float] = field(default_factory=dict)
+    errors: Array | None = None
     transmission: Array | None = None
     noise: float = np.inf
     band: float | None = None

@@ -12,8 +12,9 @@ from cutpoint.door import checked_numbers, number, refused
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, noise_cutoff
 from cutpoint.identification.conditioning.motion import check_friction
+from cutpoint.identification.drives.joint_channels import Channels
 from cutpoint.identification.drives.joint_torques import beyond_coulomb, link_torque
-from cutpoint.identification.drives.one_drive import NARROWER, Channels, DriveEstimate, drive_of
+from cutpoint.identification.drives.one_drive import NARROWER, DriveEstimate, drive_of
 from cutpoint.identification.drives.rotor import late
 from cutpoint.identification.drives.two_encoders import smallest_step
 from cutpoint.identification.logs.recording import Recording, check_recording

@@ -1,4 +1,4 @@
-"""One joint's drive from its own channels: spring, rotor, and the spring again from the remaining torque."""
+"""One joint's drive from its own channels, and from what its links show of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,29 +8,18 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-from cutpoint.identification.conditioning.filtering import HIGHEST, low_pass_together, noise_cutoff
-from cutpoint.identification.drives.acceleration_noise import clear_acceleration, noise_density
 from cutpoint.identification.drives.deflections import TorqueReading
-from cutpoint.identification.drives.joint_torques import (
-    beyond_coulomb,
-    corrected,
-    smoothing_of,
-    torque_left,
-    transmitted_share,
-)
+from cutpoint.identification.drives.joint_channels import Channels
+from cutpoint.identification.drives.joint_torques import beyond_coulomb, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, friction_notes, link_friction
-from cutpoint.identification.drives.rotor import RotorEstimate, motor_side
-from cutpoint.identification.drives.scatter import SIGNIFICANT
-from cutpoint.identification.drives.spring_estimate import UNCERTAIN, SpringEstimate
-from cutpoint.identification.drives.spring_laws import LAWS
+from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
 from cutpoint.identification.drives.torque_delay import Delay
+from cutpoint.identification.drives.turns import SHAPE, Turn, Turns, is_seen
 from cutpoint.identification.drives.two_encoders import two_encoders
 from cutpoint.mechanics.drives.backlash import Backlash, spring_of
-from cutpoint.model.drive import Compliance, Drive, Motor, Rotor
-
-SHAPE = ("flexspline",)
-"""The law used for springs until the best one is chosen: it includes the linear one."""
+from cutpoint.model.drive import Drive, Motor, Rotor
 
 NAMES = ("link coulomb", "link viscous")
 
@@ -40,21 +29,6 @@ BETTER = 0.9
 NARROWER = 3.0
 """The band for rotors is this many times narrower than that of the links' motion: when friction changes sign within it,
 the filtered speed no longer shows the friction."""
-
-WIDER = 2.0
-"""Times the frequency at which the deflection or the torque falls below its noise: springs are identified up to there.
-
-Noise of the torque beyond makes springs appear stiffer and less damped.
-"""
-
-TURNS = 8
-"""Largest number of alternations between spring and rotor; initially wrong friction takes several."""
-
-CONVERGED = 0.5
-"""Standard deviations of a rotor: after a smaller change both have converged."""
-
-SAMPLED, ENOUGH = 10.0, 2_000
-"""Samples that are kept of filtered channels, per period of the cut-off, and in all at least: more say nothing new."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,38 +54,12 @@ class DriveEstimate:
     period: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Channels:
-    """One joint's, each (N,): theta, q in rad; effort, the motor's torque in N m less its known friction beyond
-    Coulomb's, or current in A.
-
-    link_torque: required by the link, and link_friction: as stated, N m.
-    sliding: (N, 2), the link's direction of motion, and its speed in rad/s.  period, delay: s.
-    """
-
-    theta: Array
-    q: Array
-    effort: Array
-    link_torque: Array
-    link_friction: Array
-    sliding: Array
-    period: float
-    delay: float
-    is_current: bool
-
-
-class _Turn(NamedTuple):
-    """A spring, a rotor, and whether the spring separated it from the links."""
+class _Links(NamedTuple):
+    """The spring from the links' torque, and that torque (N,), N m; and whether its friction is as stated."""
 
     spring: SpringEstimate
-    rotor: RotorEstimate
-    apart: bool
-
-    @property
-    def runs_away(self) -> bool:
-        """Whether the rotor is clearly negative: the torques of links without weight have the shape of their rotors',
-        and with noise they fix only the ratio of stiffness and inertia."""
-        return self.rotor["inertia"] < -SIGNIFICANT * self.rotor.deviations["inertia"]
+    load: Array
+    stated: bool
 
 
 def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) -> DriveEstimate:
@@ -122,15 +70,13 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     """
     ratio, period = drive.ratio, joint.period
     joint, shows_play = _beyond_play(joint, drive, resolution)
-    spring, load, stated = _from_links(joint, ratio, resolution)
-    rotor = _rotor(joint, ratio, spring, load, cutoff, joint.delay)
-    if why := rotor.unidentifiable.get("torque constant"):
-        raise InputError(f"motor_side: {why}, or give torques")
-    spring, rotor, apart = _from_motor(joint, ratio, spring, rotor, resolution, spring_of(drive.compliance))
+    (spring, rotor, apart), stated = _told_apart(
+        joint, drive, _from_links(joint, ratio, resolution), resolution, cutoff
+    )
     link = None
     if apart and not stated:
         share = transmitted_share(spring, joint.theta, ratio)
-        left, _ = torque_left(rotor, joint.theta, _torque(joint, rotor), period, joint.delay, share)
+        left, _ = torque_left(rotor, joint.theta, joint.motor_torque(rotor), period, joint.delay, share)
         speed = joint.sliding[:, 1]
         sliding = np.column_stack([np.tanh(speed / smoothing_of(drive, rotor.smoothing)), speed])
         beyond = beyond_coulomb(drive.link_friction, speed, np.zeros_like(speed))  # else its peak pushes at speed
@@ -139,24 +85,28 @@ def drive_of(joint: Channels, drive: Drive, resolution: float, cutoff: float) ->
     return replace(_estimate(drive, spring, rotor, apart, link, shows_play), delay=delay, period=period)
 
 
+def _told_apart(
+    joint: Channels, drive: Drive, sides: Sequence[_Links], resolution: float, cutoff: float
+) -> tuple[Turn, bool]:
+    """Spring and rotor from what links show, the likelier first, and whether their friction is as stated.
+
+    Where nothing tells them apart, the rotor is as the last of the links shows it.
+    """
+    links, *others = sides
+    rotor = joint.rotor(drive.ratio, links.spring, links.load, cutoff, joint.delay)
+    if why := rotor.unidentifiable.get("torque constant"):
+        raise InputError(f"motor_side: {why}, or give torques")
+    turns = Turns(joint, drive.ratio, links.spring, rotor, resolution, spring_of(drive.compliance))
+    if found := turns.taken():
+        return found, links.stated
+    if others:
+        return _told_apart(joint, drive, others, resolution, cutoff)
+    return turns.with_links_rotor(), links.stated
+
+
 def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float) -> Delay:
-    found = _rotor(joint, ratio, spring, spring.torque(joint.theta, joint.q, ratio), cutoff, None)
+    found = joint.rotor(ratio, spring, spring.torque(joint.theta, joint.q, ratio), cutoff, None)
     return Delay(found["delay"], found.deviations["delay"])
-
-
-def _rotor(
-    joint: Channels, ratio: float, spring: SpringEstimate, load: Array, cutoff: float, delay: float | None
-) -> RotorEstimate:
-    """The rotor from the motor's torque or current.  load: (N,), N m, of the drive on the link."""
-    effort = {"current" if joint.is_current else "torque": joint.effort}
-    share = transmitted_share(spring, joint.theta, ratio)
-    return motor_side(joint.theta, load, joint.period, ratio, transmission=share, cutoff=cutoff, delay=delay, **effort)
-
-
-def _torque(joint: Channels, rotor: RotorEstimate) -> Array:
-    """The motor's torque, N m at the joint."""
-    constant = rotor.torque_constant
-    return joint.effort if constant is None else joint.effort * constant * rotor.ratio
 
 
 def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Channels, bool]:
@@ -176,9 +126,8 @@ def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Chan
     return (beyond, True) if without < as_read else (joint, False)
 
 
-def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[SpringEstimate, Array, bool]:
-    """The spring from the links' torque, and that torque (N,), with the stated friction, or with that which the spring
-    shows if it differs; and whether it is as stated."""
+def _from_links(joint: Channels, ratio: float, resolution: float) -> list[_Links]:
+    """With the link friction that the spring shows, if it differs from the stated one, and with that."""
     load = joint.link_torque + joint.link_friction
     unknowns: dict[str, Array] = dict(zip(NAMES, joint.sliding.T, strict=True))
     theta, q, period = joint.theta, joint.q, joint.period
@@ -188,71 +137,12 @@ def _from_links(joint: Channels, ratio: float, resolution: float) -> tuple[Sprin
         theta, q, joint.link_torque, period, ratio,
         resolution=resolution, laws=["linear"], reading=TorqueReading(unknowns),
     )  # fmt: skip
+    stated = _Links(known, load, True)
     better = freed.prediction[freed.law] < BETTER * known.prediction[known.law]
     # an unresolved spring explains any friction
-    if not (better and _is_seen(freed)):
-        return known, load, True
-    return freed, joint.link_torque + joint.sliding @ [freed[name] for name in NAMES], False
-
-
-def _from_motor(
-    joint: Channels,
-    ratio: float,
-    spring: SpringEstimate,
-    rotor: RotorEstimate,
-    resolution: float,
-    stated: Compliance | None,
-) -> _Turn:
-    """The spring from the motor's torque, and the rotor from the spring, in turns until they stand still.
-
-    stated: the spring of the file, without play.
-    """
-    torque, period = _torque(joint, rotor), joint.period
-    lead, highest = joint.theta - joint.q, HIGHEST / joint.period
-    still, told = (min(WIDER * noise_cutoff(x, period, otherwise=highest), highest) for x in (lead, torque))
-    band, shaking = clear_acceleration(joint.theta, period, min(still, told), still)
-    noise = noise_density(lead, period, still) * np.sqrt(band)
-    every = max(1, min(int(1.0 / (SAMPLED * band * period)), lead.size // ENOUGH))
-
-    def turned(spring: SpringEstimate, rotor: RotorEstimate, laws: Sequence[str]) -> _Turn:
-        """The spring from the torque that the rotor leaves, and the rotor from that spring."""
-        share = transmitted_share(spring, joint.theta, ratio)
-        left, unknowns = torque_left(rotor, joint.theta, torque, period, joint.delay, share)
-        channels = joint.theta, joint.q, left, *unknowns.values()
-        angle = np.where(np.isfinite(channels).all(axis=0), joint.theta, np.nan)
-        theta, q, left, *columns = (x[::every] for x in low_pass_together(channels, period, band))
-        seen = _is_seen(spring)
-        unknown = dict(zip(unknowns, columns, strict=True)) if seen else {}
-        shared = {"inertia": rotor["inertia"] * shaking**2}
-        reading = TorqueReading(unknown, shared, share[::every], noise, band, angle, every)
-        found = two_encoders(
-            theta, q, left, period * every, ratio,
-            resolution=resolution, laws=laws, reading=reading, stated=None if laws is SHAPE else stated,
-        )  # fmt: skip
-        return _Turn(found, corrected(rotor, found) if seen else rotor, seen)
-
-    before = [(spring, rotor)]
-    for _ in range(TURNS - 1):
-        found = turned(*before[-1], SHAPE)
-        if found.runs_away:
-            before = before[:-1] or before  # the last turn that did not is repeated
-            break
-        settled = len(before) > 1 and any(_is_near(found.rotor, own) for _, own in before)  # or returns to one before
-        before.append((found.spring, found.rotor))
-        if settled:
-            break
-    found = turned(*before[-1], tuple(LAWS))
-    return _Turn(*before[-1], False) if found.runs_away else found
-
-
-def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
-    """Whether it changed by less than CONVERGED of its standard deviations."""
-    return bool((np.abs(rotor.values - before.values) <= CONVERGED * np.sqrt(np.diag(rotor.covariance))).all())
-
-
-def _is_seen(spring: SpringEstimate) -> bool:
-    """Whether a spring with too small a deflection to be stated still separates the rotor from the links."""
-    return spring.deviations["stiffness"] < UNCERTAIN * spring["stiffness"]
+    if not (better and is_seen(freed)):
+        return [stated]
+    return [_Links(freed, joint.link_torque + joint.sliding @ [freed[name] for name in NAMES], False), stated]
 
 
 def _of_a_deflection(clocks: str) -> dict[str, str]:

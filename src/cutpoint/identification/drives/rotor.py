@@ -4,6 +4,7 @@ torque(t - delay) = J theta_ddot + (1 - e'(theta)) tau_f + xi(theta_dot) - offse
 Xia (2019) eqs. (22), (27).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,6 +87,15 @@ class RotorEstimate(Unknowns):
         if "gain" in self.names and not self._surpasses("gain", 1.0 / UNCERTAIN):
             found["torque constant"] = vague(self, "gain")
         return found
+
+    def possible_errors(self, columns: Mapping[str, Array]) -> Array:
+        """(N, m), N m: of a torque with these derivatives (N,) by m of the unknowns, one standard deviation each."""
+        names = [name for name in columns if name in self.names]
+        among = [self.names.index(name) for name in names]
+        spread = self.covariance[np.ix_(among, among)]
+        # what is not determined at all is a combination of others
+        variances, directions = np.linalg.eigh(np.where(np.isfinite(spread), spread, 0.0))
+        return np.column_stack([columns[name] for name in names]) @ (directions * np.sqrt(variances.clip(0.0)))
 
     def _surpasses(self, name: str, times: float) -> bool:
         value = abs(self[name]) if name == "gain" else self[name]

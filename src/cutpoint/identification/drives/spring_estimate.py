@@ -10,7 +10,7 @@ from cutpoint.identification.drives.columns import slipping, waves
 from cutpoint.identification.drives.deflections import DeflectionFit, Deflections
 from cutpoint.identification.drives.law_choice import block_errors, not_worse, simplest
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
-from cutpoint.identification.drives.torque_noise import attenuation, without_attenuation
+from cutpoint.identification.drives.torque_noise import attenuation, spread_of_errors, without_attenuation
 from cutpoint.model.drive import Compliance, Hysteresis, KinematicError
 
 COUNTS = 20.0
@@ -93,7 +93,7 @@ def estimate_of(
     """
     fit, names, spread = _chosen(rivals, orders, unknowns, damping)
     hidden = attenuation(data, fit)
-    fit, spread = without_attenuation(data, fit), spread + np.outer(hidden, hidden)
+    fit, spread = without_attenuation(data, fit), spread + np.outer(hidden, hidden) + spread_of_errors(data, fit)
     counts = 0.5 * float(np.ptp(fit.law.deflection(fit.constants, data.torque))) / (data.resolution or np.nan)
     if 0.0 < counts < FEW:
         uneven = np.array([UNEVEN / counts * (name in WITH_DEFLECTION) for name in names]) * fit.values

@@ -33,9 +33,22 @@ def attenuation(data: Deflections, fit: DeflectionFit) -> Array:
     """
     pull = np.zeros(fit.columns.shape[1])
     pull[fit.places["corrections"]] = data.shared_noise * np.sum(1.0 / fit.tangent**2)
+    return _moved(fit, pull[:, None])[:, 0]
+
+
+def spread_of_errors(data: Deflections, fit: DeflectionFit) -> Array:
+    """(p, p): covariance of the unknowns due to possible errors of the torque."""
+    if data.reading.errors is None:
+        return np.zeros((fit.values.size, fit.values.size))
+    moved = _moved(fit, fit.columns.T @ (data.reading.errors / fit.tangent[:, None]))
+    return np.asarray(moved @ moved.T)
+
+
+def _moved(fit: DeflectionFit, pull: Array) -> Array:
+    """By how much least squares move the unknowns, (p, m), if the columns' products with the lead change by (p, m)."""
     size = lengths(fit.columns)
     scaled = fit.columns / size
-    return np.asarray(np.linalg.pinv(scaled.T @ scaled, hermitian=True) @ (pull / size) / size)
+    return np.asarray(np.linalg.pinv(scaled.T @ scaled, hermitian=True) @ (pull / size[:, None]) / size[:, None])
 
 
 def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> DeflectionFit:

@@ -118,7 +118,12 @@ def _deflections(
         ratio,
         _resolution(angle, link, resolution),
         cutoff=min(WIDER * noise_cutoff(angle - link, period, otherwise=HIGHEST / period), HIGHEST / period),
-        reading=replace(reading, unknowns=known, transmission=None if share is None else own[-1]),
+        reading=replace(
+            reading,
+            unknowns=known,
+            errors=None if reading.errors is None else reading.errors[among],
+            transmission=None if share is None else own[-1],
+        ),
         among=among,
     )
 
