@@ -1,6 +1,8 @@
 """Validation of arguments, done once: arrays, numbers, kinds, names."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
+from inspect import signature
 from operator import index
 from os import PathLike
 from pathlib import Path
@@ -93,6 +95,33 @@ def check_kind(function: str, name: str, value: Any, kind: type | tuple[type, ..
     """Raises InputError for an argument that is not of a kind.  rule: what it must be, in words."""
     if not isinstance(value, kind):
         raise refused(function, name, value, rule)
+
+
+def check_takes(who: str, function: Any, *arguments: str) -> None:
+    """Raises InputError for what is no function of these arguments, in this order.  who: what it is, as 'f: step'."""
+    wanted = f"({', '.join(arguments)})"
+    if not callable(function):
+        raise InputError(f"{who} must be a function of {wanted}, got {shortened(function)}")
+    try:
+        parameters = signature(function)
+    except ValueError:  # no signature to check
+        return
+    try:
+        parameters.bind(*arguments)
+    except TypeError:
+        raise InputError(f"{who} must take {wanted}, but takes {parameters}") from None
+
+
+@contextmanager
+def given_times(who: str, times: Array) -> Iterator[None]:
+    """Errors of a user's own function of time say that it is given many at once.  who: what it is."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        if not isinstance(error, InputError):
+            rule = "write it with NumPy's functions, and np.where for an if"
+            error.add_note(f"{who} is given all times at once, an array of shape {times.shape}: {rule}")
+        raise
 
 
 def check_truths(function: str, **given: Any) -> None:

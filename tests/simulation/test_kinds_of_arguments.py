@@ -21,6 +21,8 @@ from robot_library import frictionless, robot
         ({"trajectory": np.zeros(6)}, r"trajectory must be a trajectory: one of .* got an array \(6,\) of float64"),
         ({"initial": np.zeros(6)}, r"initial must be a State, .* got an array \(6,\)"),
         ({"duration": 1.0, "disturbances": np.zeros(6)}, r"disturbances must be a function of times .* got an array"),
+        ({"duration": 1.0, "disturbances": lambda: 0}, r"disturbances must take \(times\), but takes \(\)"),
+        ({"duration": 1.0, "disturbances": lambda t, q: 0}, r"disturbances must take \(times\), but takes \(t, q\)"),
         ({"duration": 1.0, "sensors": {}}, r"sensors must be Sensors, .* got {}"),
         ({"duration": 1.0, "channels": 3}, "channels must be a collection of names, got 3"),
         ({"duration": 1.0, "channels": [3]}, "each of channels must be a channel's name, got 3"),
@@ -52,7 +54,17 @@ def test_a_motor_with_a_delay_cannot_act_at_every_instant():
         simulate(ours.with_drives(drives), duration=0.01, hold=False)
 
 
-@pytest.mark.parametrize(("each", "threads", "name"), [(3, 1, "each"), (None, 1.5, "threads"), (None, "2", "threads")])
+@pytest.mark.parametrize("go", [simulate, simulate_many])
+def test_disturbances_of_one_time_are_told_that_they_are_given_many(go):
+    with pytest.raises(ValueError, match="truth value") as failed:
+        go(robot("xia2019"), [None][: go is simulate_many] or None, duration=0.01, disturbances=lambda t: 1 if t else 0)
+    assert failed.value.__notes__[0].startswith("disturbances is given all times at once, an array of shape (11,)")
+
+
+@pytest.mark.parametrize(
+    ("each", "threads", "name"),
+    [(3, 1, "each"), (lambda: 0, 1, "each must take"), (None, 1.5, "threads"), (None, "2", "threads")],
+)
 def test_what_many_runs_are_told_beside_is_looked_at_too(each, threads, name):
     with pytest.raises(InputError, match=f"simulate_many: {name} "):
         simulate_many(robot("xia2019"), [None], duration=0.01, each=each, threads=threads)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from inspect import signature
 from typing import Any, cast
 
 from cutpoint.control.gains import gains
@@ -19,7 +18,7 @@ from cutpoint.control.interface import (
     start_of,
     stepped,
 )
-from cutpoint.door import check_kind
+from cutpoint.door import check_kind, check_takes
 from cutpoint.errors import InputError, counted, listed
 from cutpoint.scalars import Scalar, where
 
@@ -174,7 +173,7 @@ def as_law(controller: Any) -> Any:
     if not callable(step):
         raise InputError(f"controller {described(controller)} has no step(memory, measurement, reference)")
     if is_own(controller):
-        _check_parameters(name_of(controller), step)
+        check_takes(f"controller {name_of(controller)}: step", step, "memory", "measurement", "reference")
         _check_needs(name_of(controller), getattr(controller, "needs", ()))
     return FunctionLaw(controller) if step is controller else controller
 
@@ -231,18 +230,6 @@ def _check_announced(law: Any) -> None:
 
 def _first(fault: Scalar, later: Scalar) -> Scalar:
     return where(fault > 0, fault, later)
-
-
-def _check_parameters(name: str, step: Callable[..., Any]) -> None:
-    try:
-        parameters = signature(step)
-    except ValueError:  # no signature to check
-        return
-    try:
-        parameters.bind(None, None, None)
-    except TypeError:
-        told = f"step must take (memory, measurement, reference), but takes {parameters}"
-        raise InputError(f"controller {name}: {told}") from None
 
 
 def _check_needs(name: str, needs: Any) -> None:

@@ -14,7 +14,7 @@ from cutpoint.scalars import leaves
 from cutpoint.simulation.adaptive import ATOL, RTOL, Scalars, end_period, plant_rates
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.runner import NoNumberError
-from cutpoint.trajectories.trajectory import Moves
+from cutpoint.trajectories.trajectory import Moves, derivatives_of
 
 
 def check_continuous(loop: ClosedLoop) -> None:
@@ -61,7 +61,7 @@ class _Rates:
         n = self._loop.layout.n
         row[0] = t
         if self._trajectory is not None:
-            row[1 : 1 + 5 * n] = self._trajectory.derivatives(np.array([t]), 4)[:, 0].ravel()
+            row[1 : 1 + 5 * n] = derivatives_of("simulate", self._trajectory, np.array([t]), 4).ravel()
         found = self._kernel(x, row, law, parameters)
         if np.isnan(found[:n]).any():
             raise NoNumberError(t, found[:n])

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.arrays import Array
-from cutpoint.door import checked_array, number, positive, whole
+from cutpoint.door import checked_array, given_times, number, positive
 from cutpoint.errors import InputError, listed
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
@@ -15,7 +15,7 @@ from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.noise import Noise
 from cutpoint.simulation.plant import State
 from cutpoint.trajectories.motion_at import motion_at
-from cutpoint.trajectories.trajectory import Moves
+from cutpoint.trajectories.trajectory import Moves, duration_of, names_of, size_of
 
 Disturbance = Callable[[Array], ArrayLike]
 
@@ -31,7 +31,7 @@ def sample_times(trajectory: Moves | None, duration: float | None, period: float
     if duration is None:
         if trajectory is None:
             raise InputError("simulate: without a trajectory, give duration= in seconds")
-        duration = trajectory.duration
+        duration = duration_of("simulate", trajectory)
     duration = number("simulate", "duration", duration, "s")
     period = positive("simulate", "control_period", period, "s")
     if not duration > period / 2:
@@ -64,9 +64,9 @@ def reference_at(robot: Robot, trajectory: Moves | None, initial: State | None, 
 def check_fits(function: str, trajectory: Moves, robot: Robot) -> None:
     """Raises InputError for a trajectory with another number of joints, or other joint names."""
     n = len(robot.drives)
-    if whole(function, "trajectory.size", trajectory.size, least=0) != n:
-        raise InputError(f"{function}: the trajectory has {trajectory.size} joints, but the robot has {n} drives")
-    names = tuple(getattr(trajectory, "joints", ()))
+    if (size := size_of(function, trajectory)) != n:
+        raise InputError(f"{function}: the trajectory has {size} joints, but the robot has {n} drives")
+    names = names_of(function, trajectory)
     if names and names != robot.joints:
         found = f"the trajectory is for {listed(names)}, but the robot's joints are {listed(robot.joints)}"
         raise InputError(f"{function}: {found}: read it with joints=robot.joints, or in their order", joints=names)
@@ -79,7 +79,9 @@ def rows_of(loop: ClosedLoop, times: Array, reference: Array, disturbances: Dist
     rows[:, 0] = times
     layout.references(rows)[:] = reference
     if disturbances is not None:
-        pushed = checked_array("simulate", "disturbances(times)", disturbances(times), layout.nv)
+        with given_times("disturbances", times):
+            given = disturbances(times)
+        pushed = checked_array("simulate", "disturbances(times)", given, layout.nv)
         if pushed.shape not in ((layout.nv,), (len(times), layout.nv)):
             expected = (len(times), layout.nv)
             raise InputError(f"simulate: disturbances(times) has shape {pushed.shape}, but must be {expected}")

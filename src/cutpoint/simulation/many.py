@@ -14,7 +14,7 @@ from cutpoint.arrays import Array
 from cutpoint.callers import warn
 from cutpoint.control.interface import Control, name_of
 from cutpoint.control.sensors import Sensors
-from cutpoint.door import check_choice, refused, whole
+from cutpoint.door import check_choice, check_takes, whole
 from cutpoint.errors import InputError, SimulationError, TraceError
 from cutpoint.reporting.bar import Bar
 from cutpoint.robot import Robot
@@ -27,7 +27,7 @@ from cutpoint.simulation.runner import UntracedControllerWarning
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps.steps_reached import TooFew, check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps
-from cutpoint.trajectories.trajectory import Moves
+from cutpoint.trajectories.trajectory import Moves, duration_of
 
 MOST_NAMED = 8
 """Runs that a warning names."""
@@ -104,7 +104,8 @@ def simulate_many(
     threads = whole("simulate_many", "threads", threads)
     _check(runs, each, channels, accuracy)
     if duration is None:
-        duration = max((t.duration for t in runs["trajectory"] if t is not None), default=None)
+        moves = [t for t in runs["trajectory"] if t is not None]
+        duration = max((duration_of("simulate_many", t) for t in moves), default=None)
     with _in_the_name_of("simulate_many"):
         times = sample_times(None, duration, control_period)
     setups, steps = _setups(runs, times, control_period, accuracy, substeps, channels)
@@ -142,8 +143,8 @@ def _dealt(given: dict[str, Any]) -> dict[str, list[Any]]:
 
 def _check(runs: dict[str, list[Any]], each: object, channels: Collection[str] | None, accuracy: str) -> None:
     """Raises InputError for an argument, of any run, of the wrong kind."""
-    if not (each is None or callable(each)):
-        raise refused("simulate_many", "each", each, "a function of a log")
+    if each is not None:
+        check_takes("simulate_many: each", each, "log")
     for number, values in enumerate(zip(*runs.values(), strict=True)):
         with _in_the_name_of(f"simulate_many: run {number}"):
             check_kinds(**{k: x for k, x in zip(runs, values, strict=True) if k != "controller"}, channels=channels)

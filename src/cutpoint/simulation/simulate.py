@@ -11,7 +11,7 @@ from cutpoint.control.interface import Control, name_of, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
-from cutpoint.door import check_choice, check_kind, whole
+from cutpoint.door import check_choice, check_kind, check_takes, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import A_ROBOT
@@ -35,13 +35,12 @@ from cutpoint.simulation.recording import log_of
 from cutpoint.simulation.runner import run, working_memory
 from cutpoint.simulation.steps.steps_reached import check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps, substeps_for
-from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
+from cutpoint.trajectories.trajectory import Moves, check_trajectory
 
 Accuracy = Literal["standard", "fine", "reference"]
 
 KINDS: dict[str, tuple[Any, str]] = {
     "robot": (Robot, A_ROBOT),
-    "trajectory": ((Moves, NoneType), A_TRAJECTORY),
     "initial": ((State, NoneType), "a State, such as cutpoint.State(q=...)"),
     "sensors": ((Sensors, NoneType), "Sensors, such as cutpoint.Sensors(delay=1e-3)"),
     "disturbances": ((Callable, NoneType), "a function of times (N,) that gives torques (N, nv)"),
@@ -127,9 +126,13 @@ def _accuracy_of(accuracy: Accuracy, hold: bool) -> Accuracy:
 
 
 def check_kinds(**given: Any) -> None:
-    """Raises InputError for an argument that is not of its kind in KINDS."""
+    """Raises InputError for an argument that is not of its kind."""
+    if (trajectory := given.pop("trajectory", None)) is not None:
+        check_trajectory("simulate", trajectory)
     for name, value in given.items():
         check_kind("simulate", name, value, *KINDS[name])
+    if (disturbances := given.get("disturbances")) is not None:
+        check_takes("simulate: disturbances", disturbances, "times")
     channels = given.get("channels")
     if isinstance(channels, str):
         rule = f"must be a collection of names: channels=[{channels!r}]"

@@ -7,9 +7,8 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.callers import warn
-from cutpoint.door import checked_array
-from cutpoint.errors import InputError, listed
-from cutpoint.trajectories.trajectory import Moves, Trajectory
+from cutpoint.errors import listed
+from cutpoint.trajectories.trajectory import Moves, Trajectory, derivatives_of
 
 NAMES = ("position", "velocity", "acceleration", "jerk", "snap")
 """Of a motion's parts, each the rate of the one before."""
@@ -30,11 +29,7 @@ def motion_at(function: str, trajectory: Moves, times: Array, joints: Sequence[s
     Warns of derivatives that are not those of the positions.
     Raises InputError for numbers of another shape, or that are not finite.
     """
-    n, asked = len(joints), "trajectory.derivatives(times, 4)"
-    motion, expected = checked_array(function, asked, trajectory.derivatives(times, 4), n), (5, len(times), n)
-    if motion.shape != expected:
-        rule = f"it must be {expected}: position to snap, times, joints"
-        raise InputError(f"{function}: {asked} has shape {motion.shape}: {rule}", shape=motion.shape)
+    motion = derivatives_of(function, trajectory, times, 4)
     if not isinstance(trajectory, Trajectory) and (said := [*_contradictions(motion, times, joints)]):
         warn(f"{function}: the trajectory contradicts itself: {'; '.join(said)}")
     return motion

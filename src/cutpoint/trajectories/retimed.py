@@ -5,8 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from cutpoint.arrays import Array
-from cutpoint.door import check_kind, positive
-from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves, Trajectory
+from cutpoint.door import positive
+from cutpoint.trajectories.trajectory import (
+    Moves,
+    Trajectory,
+    check_trajectory,
+    derivatives_of,
+    names_of,
+    size_of,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,16 +24,16 @@ class Retimed(Trajectory):
 
     @property
     def size(self) -> int:
-        return self.motion.size
+        return size_of("retimed", self.motion)
 
     @property
     def joints(self) -> tuple[str, ...]:
         """Names that the motion has; empty if it has none."""
-        return tuple(getattr(self.motion, "joints", ()))
+        return names_of("retimed", self.motion)
 
     def _inside(self, t: Array, order: int) -> Array:
         speed = np.float64(self.motion.duration) / self.duration
-        found = np.array(self.motion.derivatives(np.minimum(t * speed, self.motion.duration), order))
+        found = derivatives_of("retimed", self.motion, np.minimum(t * speed, self.motion.duration), order)
         powers = speed ** np.arange(order + 1)  # may be infinite
         return found * powers.reshape(-1, *[1] * t.ndim, 1)
 
@@ -39,5 +46,6 @@ def retimed(trajectory: Moves, duration: float) -> Retimed:
     Raises:
         InputError: no trajectory, or a duration that is not positive.
     """
-    check_kind("retimed", "trajectory", trajectory, Moves, A_TRAJECTORY)
+    check_trajectory("retimed", trajectory)
+    positive("retimed", "trajectory.duration", trajectory.duration, "s")
     return Retimed(positive("retimed", "duration", duration, "s"), trajectory)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.arrays import Array
-from cutpoint.door import whole
+from cutpoint.door import check_kind, check_takes, checked_array, checked_names, given_times, number, whole
 from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import numbers
 
@@ -37,6 +37,47 @@ class Moves(Protocol):
 
 
 A_TRAJECTORY = "a trajectory: one of cutpoint.trajectories, or what has duration, size and derivatives(t, order)"
+
+
+def check_trajectory(function: str, trajectory: Any) -> None:
+    """Raises InputError for what is no trajectory.  function: who asks."""
+    check_kind(function, "trajectory", trajectory, Moves, A_TRAJECTORY)
+    if isinstance(trajectory, type):
+        name = trajectory.__name__
+        raise InputError(f"{function}: trajectory {name} is a class; pass an instance, {name}(...)")
+    check_takes(f"{function}: trajectory.derivatives", trajectory.derivatives, "t", "order")
+
+
+def duration_of(function: str, trajectory: Moves) -> float:
+    """Duration of anyone's trajectory, s.  Raises InputError for what is no number."""
+    return number(function, "trajectory.duration", trajectory.duration, "s")
+
+
+def size_of(function: str, trajectory: Moves) -> int:
+    """Number of joints of anyone's trajectory.  Raises InputError for what is none."""
+    return whole(function, "trajectory.size", trajectory.size, least=0)
+
+
+def names_of(function: str, trajectory: Moves) -> tuple[str, ...]:
+    """Names of the joints of anyone's trajectory; empty if it has none.  Raises InputError for what are none."""
+    return checked_names(function, getattr(trajectory, "joints", ()), "trajectory.joints")
+
+
+def derivatives_of(function: str, trajectory: Moves, times: Array, order: int) -> Array:
+    """Position and its first `order` derivatives, (order + 1, ..., size), at times (...), of anyone's trajectory.
+
+    Raises InputError for numbers of another shape, or that are not finite.
+    """
+    asked, size = f"trajectory.derivatives(times, {order})", size_of(function, trajectory)
+    with given_times("trajectory.derivatives", times):
+        given = trajectory.derivatives(times, order)
+    found = checked_array(function, asked, given, size)
+    expected = (order + 1, *times.shape, size)
+    if found.shape != expected:
+        parts = "position to snap" if order == 4 else f"position and {order} derivatives"
+        rule = f"it must be {expected}: {parts}, times, joints"
+        raise InputError(f"{function}: {asked} has shape {found.shape}: {rule}", shape=found.shape)
+    return found
 
 
 @dataclass(frozen=True, eq=False)

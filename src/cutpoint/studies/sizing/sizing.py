@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cutpoint.control.laws.model_law import check_all_driven
-from cutpoint.door import check_kind, number, path_of, positive
+from cutpoint.door import number, path_of, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
 from cutpoint.mechanics.drives.backlash import spring_of
@@ -20,7 +20,7 @@ from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
 from cutpoint.studies.sizing.load import Load, sampled
 from cutpoint.studies.sizing.margins import Margin
-from cutpoint.trajectories.trajectory import A_TRAJECTORY, Moves
+from cutpoint.trajectories.trajectory import Moves, check_trajectory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -128,7 +128,8 @@ def _without_play(robot: Robot) -> Robot:
 
 def _check(robot: Robot, trajectory: Moves, dwell: float, period: float, life: float | None) -> None:
     check_all_driven("sizing", robot, "only what a motor moves can be sized; fix it, or lock it")
-    check_kind("sizing", "trajectory", trajectory, Moves, A_TRAJECTORY)
+    check_trajectory("sizing", trajectory)
+    positive("sizing", "trajectory.duration", trajectory.duration, "s")
     check_fits("sizing", trajectory, robot)
     dwell = number("sizing", "dwell", dwell, "s")
     if not (np.isfinite(dwell) and dwell >= 0):
