@@ -151,3 +151,8 @@ def test_only_a_motion_can_be_retimed_and_only_to_a_time_that_is_one():
         retimed(START, 1.0)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match=r"retimed: duration 0.0 s must be positive"):
         retimed(KINDS["cycloid"], 0.0)
+
+
+def test_a_motion_too_fast_for_any_machine_may_be_retimed_to_one_that_is_not():
+    found = retimed(cycloid([1.0], 1e-5), 1.0).derivatives(0.3, 4)
+    assert np.allclose(found, cycloid([1.0], 1.0).derivatives(0.3, 4), rtol=1e-12)

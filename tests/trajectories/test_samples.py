@@ -146,6 +146,8 @@ def test_the_default_bandwidth_follows_the_sampling_rate(rate: float, chosen: fl
         ({"joints": ["a", "b"]}, r"2 joint names must match the number of positions, 1"),
         ({"times": TIMES[::-1]}, r"time 3.995 s at index 1 must be later than 4.0 s"),
         ({"q": np.full((801, 1), np.nan), "joints": ["a"]}, r"joint 'a': position nan at index 0 must be finite"),
+        ({"times": TIMES * 1e300}, r"time at index 1 is 5.*e\+297: it must be finite and within 1e\+15 s"),
+        ({"times": np.r_[TIMES[:-1], 1e12]}, r"no single motion is near all samples; .* between 3.995 and 1e\+12 s"),
         ({"times": TIMES[:3], "q": np.zeros((3, 1))}, r"3 points found: at least 4 are needed"),
         (
             {"times": TIMES[:6] * 20, "q": np.deg2rad([0, 20, 60, 80, 40, 0.0])[:, None], "joints": ["a"]},

@@ -89,6 +89,8 @@ def test_a_motion_of_two_points_is_the_same_in_both_directions():
         ([0.0], [[1.0]], r"1 point found: at least 2 are needed"),
         ([0.0, 1.0], [[0.0], [np.nan]], r"joint 0: position nan at index 1 must be finite"),
         ([0.0, np.inf], [[0.0], [1.0]], r"time at index 1 is inf: it must be finite"),
+        ([0.0, 1e300], [[0.0], [1.0]], r"time at index 1 is 1e\+300: it must be finite and within 1e\+15 s"),
+        ([0.0, 1e-90, 1.0], [[0.0], [1.0], [2.0]], r"1e-90 s between two times of 1 s in all are too uneven"),
         ([0.0, 2.0, 1.0], [[0.0], [1.0], [2.0]], r"time 1.0 s at index 2 must be later than 2.0 s, the one before it"),
         ([0.0, 0.0], [[0.0], [1.0]], r"time 0.0 s at index 1 must be later than 0.0 s"),
         ([0.0, 1.0, 2.0], [[0.0], [1.0]], r"times of shape \(3,\) and positions of shape \(2, 1\) must be"),

@@ -67,9 +67,10 @@ def _check_shapes(t: Array, q: Array, least: int, joints: Sequence[str] | None) 
 
 
 def _check_finite(t: Array, q: Array, joints: Sequence[str] | None) -> None:
-    if not np.isfinite(t).all():
-        index = int(np.argmin(np.isfinite(t)))
-        raise InputError(f"time at index {index} is {t[index]}: it must be finite", index=index)
+    if (wrong := ~(np.abs(t) <= LARGEST)).any():
+        index = int(np.argmax(wrong))
+        rule = f"it must be finite and within {LARGEST:g} s"
+        raise InputError(f"time at index {index} is {t[index]}: {rule}", index=index)
     if (wrong := ~(np.abs(q) <= LARGEST)).any():
         row, column = (int(i) for i in np.argwhere(wrong)[0])
         name, rule = joint_name(joints, column), f"must be finite and within {LARGEST:g}"

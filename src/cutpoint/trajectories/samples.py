@@ -108,6 +108,7 @@ def from_samples(
     moved = samples - samples[0]
     try:
         spline, spacing = smoothing_spline(t, moved, chosen, at_rest)
+        free = smoothing_spline(t, moved, chosen, at_rest=False)[0] if at_rest else spline
     except np.linalg.LinAlgError as error:
         raise InputError(f"from_samples: no single motion is near all samples; {_pause(t)}") from error
     check_swing(spline, t / spacing, samples, _pause(t), names)
@@ -116,7 +117,6 @@ def from_samples(
     ranges = np.ptp(samples, axis=0)
     if bandwidth is None:
         _check_near(deviation.max, ranges, chosen, names)
-    free = smoothing_spline(t, moved, chosen, at_rest=False)[0] if at_rest else spline
     peaks, least = peak_accelerations(spline), np.maximum(peak_accelerations(free), 1e-300)
     hurry = np.where(ranges > NOISE_SHARE * ranges.max(), peaks / least, 1.0)
     parts = (spline, spacing, chosen, names or (), deviation, hurry, _gap(t, chosen))

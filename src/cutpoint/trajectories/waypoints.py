@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.arrays import Array
+from cutpoint.errors import InputError
 from cutpoint.trajectories.arrays import timed_positions
 from cutpoint.trajectories.spline import Spline, check_swing
 
@@ -28,7 +29,11 @@ def waypoints(times: ArrayLike, points: ArrayLike) -> Spline:
     unit = float(t[-1] / (t.size - 1))
     u = t / unit
     at_rest = [(k, np.zeros(q.shape[1])) for k in range(1, 5)]
-    spline = make_interp_spline(u, q - q[0], k=DEGREE, t=_knots(u), bc_type=(at_rest, at_rest))
+    try:
+        spline = make_interp_spline(u, q - q[0], k=DEGREE, t=_knots(u), bc_type=(at_rest, at_rest))
+    except (ValueError, np.linalg.LinAlgError) as error:
+        found = f"{np.diff(t).min():.3g} s between two times of {t[-1]:.3g} s in all are too uneven for a curve"
+        raise InputError(f"waypoints: {found}; leave out points, or give them more time") from error
     check_swing(spline, u, q, "give far points more time, near ones less, or add points between")
     return Spline(float(t[-1]), q[0], spline, unit)
 
