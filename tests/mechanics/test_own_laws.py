@@ -1,5 +1,7 @@
 """Spring and friction laws of the user's own that are no laws."""
 
+import math
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -7,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cutpoint import ModelError, Sliding
+from cutpoint import ModelError, Sliding, TraceError, atan, log, simulate, simulate_many, tan
+from cutpoint.control import PD
 from cutpoint.mechanics.drives.backlash import Backlash
 from robot_library import robot
 
@@ -59,6 +62,14 @@ def softening(x: float) -> float:
             Spring(lambda x: 1e4 * x * (1 if x > 0 else 2), lambda t: t / 1e4 / (1 if t > 0 else 2)),
             r"deflection\(0.11\) is 1.1e-05, but deflection\(-0.11\) is -5.5e-06: a spring's law must be odd",
         ),
+        (
+            Spring(lambda x: 1e4 * x if x > 0 else x * 1e4),
+            r"torque of several numbers at once fails, ValueError: The truth .*, so it cannot be compiled: write",
+        ),
+        (
+            Spring(deflection=lambda t: math.copysign(1e-4 * abs(t), t)),
+            r"deflection of several numbers at once fails, TypeError: only .*, so it cannot be compiled: write it with",
+        ),
     ],
 )
 def test_springs_whose_methods_contradict_each_other_are_refused(spring: Spring, told: str):
@@ -107,3 +118,50 @@ def test_friction_must_be_a_number_and_linear_as_it_says(law: Callable[..., Any]
         with pytest.raises(ModelError, match=f"joint 'joint2': {side}, a Rubbing: {told}"):
             arm.with_drives({"joint2": rubbing})
     assert arm.with_drives({"joint2": replace(arm.drives["joint2"], link_friction=Rubbing(2.0, lambda size: size))})
+
+
+class Rough(Rubbing):
+    """A user's friction that grows at 1 rad/s."""
+
+    def plateau(self, speed: Any) -> Any:
+        return self.size if speed < 1.0 else 2.0 * self.size
+
+
+class Unloaded(Rubbing):
+    """A user's friction that knows nothing of loads."""
+
+    def torque(self, speed: Any) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
+        return self.size * speed
+
+
+def no_law(size: Any) -> Any:
+    return size
+
+
+@pytest.mark.parametrize("side", ["link_friction", "motor_friction"])
+@pytest.mark.parametrize(
+    ("rubbing", "told"),
+    [
+        (Rough(2.0, no_law), "a Rough: torque of several numbers at once fails, ValueError: .*cannot be compiled"),
+        (Unloaded(2.0, no_law), r"an? Unloaded: torque\(0, 0\) fails: TypeError: .* 2 positional arguments but 3"),
+    ],
+)
+def test_friction_takes_loads_and_many_speeds(side: str, rubbing: Rubbing, told: str):
+    arm = robot("xia2019")
+    with pytest.raises(ModelError, match=f"joint 'joint2': {side}, {told}"):
+        arm.with_drives({"joint2": replace(arm.drives["joint2"], **{side: rubbing})})
+
+
+@pytest.mark.parametrize("go", [simulate, lambda arm, law, **options: simulate_many(arm, [law], **options)])
+def test_the_controller_is_not_blamed_for_a_spring_that_cannot_be_compiled(go: Callable[..., object]):
+    arm = robot("linear")
+    bent = Spring(
+        lambda x: 1e4 * np.arctan(x), lambda t: tan(t / 1e4), lambda x: 1e4 / (1 + x * x),
+        lambda x: 1e4 * (x * atan(x) - log(1 + x * x) / 2),
+    )  # fmt: skip
+    arm = arm.with_drives({"joint2": replace(arm.drives["joint2"], compliance=bent)})
+    n = len(arm.joints)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(TraceError, match=r"np.arctan cannot be applied to a traced number.*test_own_laws"):
+            go(arm, PD(np.ones(n), np.ones(n)), duration=0.01)

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.arrays import Array
+
 SMALL = 1e-6
 """A deflection, rad (m), at which the torque shows the spring's stiffness at rest."""
 
@@ -32,6 +34,8 @@ def wrong_in_spring(spring: Any) -> Iterator[str]:
     with np.errstate(all="ignore"):
         try:
             yield from _wrong_in_spring(spring)
+            for method in ("torque", "deflection", "tangent", "energy"):
+                _check_takes_arrays(spring, method, np.array([SMALL, -SMALL]))
         except _UnfitError as unfit:
             yield str(unfit)
 
@@ -42,8 +46,15 @@ def wrong_in_friction(law: Any) -> Iterator[str]:
         try:
             for speed in SPEEDS:
                 torque = _finite(law, "torque", speed)
+                _number(law, "share_of_load", speed)
+                for method in ("torque", "resistance"):
+                    _number(law, method, speed, 0.0)
                 if getattr(law, "coefficients", ()):
                     yield from _not_linear(law, speed, torque)
+            speeds, unloaded = np.array(SPEEDS), np.zeros(len(SPEEDS))
+            _check_takes_arrays(law, "share_of_load", speeds)
+            for method in ("torque", "resistance"):
+                _check_takes_arrays(law, method, speeds, unloaded)
         except _UnfitError as unfit:
             yield str(unfit)
 
@@ -99,15 +110,26 @@ def _finite(law: Any, method: str, x: float) -> float:
     return y
 
 
-def _number(law: Any, method: str, x: float) -> float:
+def _number(law: Any, method: str, *numbers: float) -> float:
     """Raises _UnfitError for what is none; it may be nan."""
+    called = f"{method}({', '.join(f'{x:g}' for x in numbers)})"
     try:
-        y = getattr(law, method)(x)
+        y = getattr(law, method)(*numbers)
     except Exception as problem:
-        raise _UnfitError(f"{method}({x:g}) fails: {_said(problem)}") from problem
+        raise _UnfitError(f"{called} fails: {_said(problem)}") from problem
     if not isinstance(y, Real) and not (isinstance(y, np.ndarray) and y.ndim == 0):
-        raise _UnfitError(f"{method}({x:g}) gives {y!r}: it must give a number")
+        raise _UnfitError(f"{called} gives {y!r}: it must give a number")
     return float(y)
+
+
+def _check_takes_arrays(law: Any, method: str, *arrays: Array) -> None:
+    """Raises _UnfitError for an equation that fails with arrays: what it does there cannot be compiled either."""
+    try:
+        getattr(law, method)(*arrays)
+    except Exception as problem:
+        remedy = "write it with cutpoint's functions, and cutpoint.where(condition, yes, no) for an `if`"
+        told = f"{method} of several numbers at once fails, {_said(problem)}"
+        raise _UnfitError(f"{told}, so it cannot be compiled: {remedy}") from problem
 
 
 def _said(problem: Exception) -> str:

@@ -23,7 +23,7 @@ from cutpoint.simulation.inputs import Disturbance, reference_at, rows_of, sampl
 from cutpoint.simulation.log.log import Log
 from cutpoint.simulation.packs import Pack, Setup, packs_of
 from cutpoint.simulation.plant import State
-from cutpoint.simulation.runner import UntracedControllerWarning
+from cutpoint.simulation.runner import UntracedControllerWarning, programs_beside_law
 from cutpoint.simulation.simulate import check_kinds, prepared, simulate, steps_of
 from cutpoint.simulation.steps.steps_reached import TooFew, check_steps, warn_of
 from cutpoint.simulation.steps.substeps import Steps
@@ -204,6 +204,7 @@ def _untraceable(packs: list[Pack]) -> list[Pack]:
         try:
             pack.program()
         except TraceError as error:
+            programs_beside_law(pack.setups[0].loop)
             name = name_of(pack.setups[0].loop.controller)
             told = f"controller {name} runs as a Python callback, run by run: {error}"
             warn(told, UntracedControllerWarning)

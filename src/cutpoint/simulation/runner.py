@@ -126,10 +126,12 @@ def _advance(
             return lambda first, ticks: run_samples(whole, memory, first, ticks, substeps)
         before, call = loop.program("command"), None
     except TraceError as error:
+        before, after = programs_beside_law(loop, integrate)
         name = name_of(loop.controller)
         warn(f"controller {name} runs as a Python callback: {error}", UntracedControllerWarning)
-        before, call = loop.program("sense"), _callback(loop)
-    after = loop.program("output" if integrate else "after")
+        call = _callback(loop)
+    else:
+        after = loop.program("output")
 
     def one(first: int, ticks: int) -> int:
         run_samples(before, memory, first, 1)
@@ -141,6 +143,14 @@ def _advance(
         return 1
 
     return one
+
+
+def programs_beside_law(loop: ClosedLoop, integrate: Integrate | None = None) -> tuple[Program, Program]:
+    """What is run before and after a law that cannot be compiled.
+
+    Raises TraceError if that cannot either, as with a spring of the user's own: it is not the law's fault.
+    """
+    return loop.program("sense"), loop.program("output" if integrate else "after")
 
 
 def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
