@@ -72,7 +72,11 @@ def test_a_simulated_law_may_have_a_guard(tmp_path: Path) -> None:
     said = printed("simulate", str(robots.XIA2019_URDF), "--drives", str(drives), *move, "--output", str(log))
     run = Log.load(log)
     assert control.Fault.SPEED in run["fault"]
-    assert f"note: the guard found a fault, speed, at {run.time[run['fault'] > 0][0]:.4g} s" in said
+    assert f"note: the guard found a fault, speed of joint1, at {run.time[run['fault'] > 0][0]:.4g} s" in said
+    far = tmp_path / "far.urdf"
+    far.write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    said = printed("simulate", str(far), "--to", "1.2", "--duration", "2.0", "--law", "PD", "--guard")
+    assert "note: the guard found a fault, position of swing, at " in said
 
 
 def test_a_law_that_does_not_exist_is_told_those_that_do() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cutpoint.model.mechanism import Limits
 from cutpoint.robot import Robot
 
 if TYPE_CHECKING:
+    from cutpoint.control import Fault
     from cutpoint.simulation import Log
 
 ROUNDING = 1e-6
@@ -72,7 +74,7 @@ def beyond_efforts(robot: Robot, motors: Array, joints: Array) -> Iterator[str]:
 
 def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     """A sentence for a guard's fault, and for each limit that a run met."""
-    yield from _fault_of(log)
+    yield from _fault_of(robot, log)
     yield from beyond_limits(robot, log["q"].min(axis=0), log["q"].max(axis=0), np.abs(log["v"]).max(axis=0))
     most, units = _efforts_of(robot), at_joints(robot, "N m")
     for name, share in log.meta.get("over_limit", {}).items():
@@ -84,14 +86,25 @@ def limits_met(robot: Robot, log: "Log") -> Iterator[str]:
     yield from _beyond_ratings(robot, np.abs(log["joint_torque"]).max(axis=0))
 
 
-def _fault_of(log: "Log") -> Iterator[str]:
-    """A sentence for the first fault of a run under a guard, if there is one."""
+def _fault_of(robot: Robot, log: "Log") -> Iterator[str]:
+    """A sentence for the first fault of a run under a guard with the robot's own limits, if there is one."""
     from cutpoint.control import Fault
 
     if "fault" in log.channels and log["fault"].any():
-        first = np.flatnonzero(log["fault"])[0]
-        kind = Fault(int(log["fault"][first])).name.lower()
-        yield f"the guard found a fault, {kind}, at {log.time[first]:.4g} s: what follows is its reaction"
+        first = int(np.flatnonzero(log["fault"])[0])
+        fault = Fault(int(log["fault"][first]))
+        joints = _joints_of(fault, robot, log, first)
+        what = fault.name.lower() + (f" of {', '.join(joints)}" if joints else "")
+        yield f"the guard found a fault, {what}, at {log.time[first]:.4g} s: what follows is its reaction"
+
+
+def _joints_of(fault: "Fault", robot: Robot, log: "Log", sample: int) -> list[str]:
+    """Joints that are measured to be too fast, or too far, in a sample; none for other faults."""
+    q, v, theta, theta_dot = (log[f"measured_{name}"][sample] for name in ("q", "v", "theta", "theta_dot"))
+    place, speed = np.where(np.isnan(q), theta, q), np.fmax(np.abs(v), np.abs(theta_dot))
+    low, high, most = np.array([(own.lower, own.upper, own.velocity) for own in robot.limits.values()]).T
+    beyond = {"SPEED": speed > most, "POSITION": (place < low) | (place > high)}
+    return [*compress(robot.joints, beyond.get(fault.name, ()))]
 
 
 def _beyond_ratings(robot: Robot, peaks: Any) -> Iterator[str]:
