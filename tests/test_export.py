@@ -435,7 +435,7 @@ CPP = """
 #include <vector>
 #include "mass_matrix.hpp"
 struct Matrix {
-  enum { IsRowMajor = %d, ColsAtCompileTime = 6, OuterStrideAtCompileTime = %d };
+  enum { IsRowMajor = %d, InnerSizeAtCompileTime = 6, OuterStrideAtCompileTime = %d };
   double x[36];
   double *data() { return x; }
   int size() const { return 36; }
@@ -462,6 +462,55 @@ def test_cpp_takes_any_container_and_refuses_matrices_by_columns_and_blocks(
         done = compiled_cpp(tmp_path, compiler, "-std=c++17 use.cpp mass_matrix.o -lm -o use")
         assert (done.returncode == 0) == (not told) and told in done.stderr
     assert run(tmp_path, "use")[0] == 0
+
+
+AS_EIGENS = """
+#include "energy.hpp"
+struct Block { // of a matrix with 10 rows, by columns
+  double x[20] = {2.0, 3.0};
+  int rows = 2, columns = 1;
+  const double *data() const { return x; }
+  int size() const { return rows * columns; }
+  int innerStride() const { return 1; }
+  int outerStride() const { return 10; }
+  int innerSize() const { return rows; }
+  int outerSize() const { return columns; }
+};
+struct Fixed : Block { enum { OuterStrideAtCompileTime = 10, InnerSizeAtCompileTime = 1, IsVectorAtCompileTime = 0 }; };
+struct Column : Block {
+  enum { IsRowMajor = 0, IsVectorAtCompileTime = 1, OuterStrideAtCompileTime = 10, InnerSizeAtCompileTime = 2 };
+  using Block::data;
+  double *data() { return x; }
+};
+struct Expression { int size() const { return 2; } };
+int main() {
+  Column out;
+  %s x;
+  %s
+  cutpoint::energy(x, out);
+  return out.x[0] == 6.0 ? 0 : 1;
+}
+"""
+
+
+@each_cpp
+def test_cpp_takes_vectors_without_gaps_only(tmp_path: Path, compiler: str) -> None:
+    """A row of a matrix by columns, written as a block, would else be read as the column below its first number."""
+    cutpoint.compile(lambda q: [[q[0] * q[1]], [0 * q[0]]], name="energy", q=2).to_c(tmp_path)
+    build(tmp_path, "-c", "energy.c", "-o", "energy.o")
+    for kind, change, told in (
+        ("Column", "", ""),
+        ("Block", "", ""),
+        ("Block", "x.rows = 1, x.columns = 2;", "Assertion"),
+        ("Fixed", "", "copy the block first"),
+        ("Expression", "", "of an expression of Eigen's pass its .eval()"),
+    ):
+        (tmp_path / "use.cpp").write_text(AS_EIGENS % (kind, change))
+        done = compiled_cpp(tmp_path, compiler, "-std=c++17 use.cpp energy.o -lm -o use")
+        assert (done.returncode == 0) == (told in ("", "Assertion")), done.stderr
+        assert told == "Assertion" or told in done.stderr
+        if not done.returncode:
+            assert (run(tmp_path, "use")[0] == 0) == (not told)
 
 
 def test_full_coupling_takes_all_the_derivatives_that_it_needs(tmp_path: Path) -> None:

@@ -29,11 +29,22 @@ struct void_of {
 template <class T>
 using if_known = typename void_of<T>::type;
 
-// Eigen states how a matrix lies in memory; other containers are rows one after another
+template <class T, class = void>
+struct has_data : std::false_type {};
+template <class T>
+struct has_data<T, if_known<decltype(std::data(std::declval<T>()), std::size(std::declval<T>()))>> : std::true_type {};
+
+// Eigen states how a matrix lies in memory; other containers are rows one after another, and a vector has one order
+template <class T, class = void>
+struct is_vector : std::false_type {};
+template <class T>
+struct is_vector<T, if_known<decltype(T::IsVectorAtCompileTime)>> : std::bool_constant<bool(T::IsVectorAtCompileTime)> {};
+
 template <class T, class = void>
 struct is_by_rows : std::true_type {};
 template <class T>
-struct is_by_rows<T, if_known<decltype(T::IsRowMajor)>> : std::bool_constant<bool(T::IsRowMajor)> {};
+struct is_by_rows<T, if_known<decltype(T::IsRowMajor)>>
+    : std::bool_constant<(bool(T::IsRowMajor) || is_vector<T>::value)> {};
 
 template <class T, class = void>
 struct has_strides : std::false_type {};
@@ -61,16 +72,19 @@ template <class T>
 struct stride_of<T, if_known<decltype(T::InnerStrideAtCompileTime)>>
     : std::integral_constant<std::ptrdiff_t, std::ptrdiff_t(T::InnerStrideAtCompileTime)> {};
 
-// whether a matrix's rows always follow each other without a gap; a block's of a larger matrix do not
+// whether there are always gaps between a matrix's rows, or columns, as in a block of a larger one
 template <class T, class = void>
 struct has_gaps : std::false_type {};
 template <class T>
 struct has_gaps<T, if_known<decltype(T::OuterStrideAtCompileTime)>>
-    : std::bool_constant<(int(T::OuterStrideAtCompileTime) > 0 && int(T::ColsAtCompileTime) > 0 &&
-                          int(T::OuterStrideAtCompileTime) != int(T::ColsAtCompileTime))> {};
+    : std::bool_constant<(!is_vector<T>::value && int(T::OuterStrideAtCompileTime) > 0 &&
+                          int(T::InnerSizeAtCompileTime) > 0 &&
+                          int(T::OuterStrideAtCompileTime) != int(T::InnerSizeAtCompileTime))> {};
 
 template <std::size_t Size, bool IsMatrix, class T>
 auto address(T &&x) {
+  static_assert(has_data<T &>::value,
+                "@{name} takes arrays, and what has data() and size(): of an expression of Eigen's pass its .eval()");
   using Container = std::remove_cv_t<std::remove_reference_t<T>>;
   using Number = std::remove_cv_t<std::remove_pointer_t<decltype(std::data(x))>>;
   static_assert(std::is_same_v<Number, @{real}>, "@{name} takes @{real}s");
@@ -79,12 +93,11 @@ auto address(T &&x) {
                 "@{name}: a container of another size than the argument's");
   static_assert(stride_of<Container>::value == -1 || stride_of<Container>::value == 1,
                 "@{name} takes numbers that lie one after another: copy the column or row first");
-  static_assert(!IsMatrix || !has_gaps<Container>::value,
-                "@{name} takes rows that lie one after another: copy the block first");
+  static_assert(!has_gaps<Container>::value, "@{name} takes numbers that lie one after another: copy the block first");
   assert(static_cast<std::size_t>(std::size(x)) == Size);
   if constexpr (has_strides<Container>::value) {
     assert(x.innerStride() == 1);
-    if constexpr (IsMatrix) assert(x.outerStride() * x.rows() == x.size());
+    assert(x.outerSize() <= 1 || x.outerStride() == x.innerSize());
   }
   return std::data(x);
 }
