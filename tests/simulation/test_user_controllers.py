@@ -221,3 +221,19 @@ def test_a_law_may_hold_an_array_of_no_axes():
             return memory, np.ones(6) * self.torque
 
     assert (run(Constant())["command_torque"] == 3.0).all()
+
+
+class Failing(Branching):
+    """Divides by zero after 10 ms."""
+
+    def step(self, memory: Any, m: Any, r: Any) -> Any:
+        return super().step(memory, m, r) if m.time < 0.0095 else 1 / 0
+
+
+def test_an_error_in_a_step_says_when_it_happened():
+    with (
+        pytest.warns(UntracedControllerWarning, match="controller Failing"),
+        pytest.raises(ZeroDivisionError) as failed,
+    ):
+        simulate(robot("xia2019"), Failing(), MOVE)
+    assert failed.value.__notes__ == ["in the step of controller Failing at t = 0.01 s"]

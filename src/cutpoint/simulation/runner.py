@@ -159,7 +159,11 @@ def _callback(loop: ClosedLoop) -> Callable[[Array, Array], list[float]]:
 
     def call(measured: Array, row: Array) -> list[float]:
         nonlocal remembered
-        remembered, command = stepped(loop.controller, remembered, *loop.layout.seen(measured, row, loop.period))
+        try:
+            remembered, command = stepped(loop.controller, remembered, *loop.layout.seen(measured, row, loop.period))
+        except Exception as error:
+            error.add_note(f"in the step of controller {name_of(loop.controller)} at t = {row[0]:g} s")
+            raise
         return loop.layout.command(command, row)
 
     return call
