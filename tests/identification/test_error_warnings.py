@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from two_joints import two_joints
 
+from cutpoint import Drive, Motor
 from cutpoint.identification.output.error_warnings import unit_notes, warnings_of
 from cutpoint.identification.output.pictures import torque_picture
 from cutpoint.identification.output.torque_errors import TorqueErrors
@@ -106,9 +107,33 @@ def test_each_thing_that_is_wrong_is_said_with_its_joint(errors: dict[str, objec
 )
 def test_torques_in_another_unit_are_named_with_the_factor(scale: list[float], said: str | None):
     files = np.column_stack([TORQUE, 5.0 * np.sin(0.7 * TIME), 3.0 * np.sin(2.9 * TIME)])
-    measured, v = files * scale, np.tile(MOVES[:, None], 3)
-    errors = TorqueErrors(TIME, measured, files, measured, measured, 0.0 * v, v, 0.0 * v, HELD, 10.0)
-    found = unit_notes(errors, ("pan", "lift", "roll"))
+    found = of_size(files, scale, dict.fromkeys(("pan", "lift", "roll"), Drive()))
     words = "torques are far from what the robot's files predict for this motion, "
     assert found == ([] if said is None else [f"{words}{said}: {found[0].partition(': ')[2]}"])
-    assert all("check their unit" in note for note in found)
+
+
+def of_size(files: np.ndarray, scale: list[float], drives: dict[str, Drive], **kind: bool) -> list[str]:
+    measured, v = files * scale, np.tile(MOVES[:, None], 3)
+    errors = TorqueErrors(TIME, measured, files, measured, measured, 0.0 * v, v, 0.0 * v, HELD, 10.0)
+    return unit_notes(errors, drives, **kind)
+
+
+@pytest.mark.parametrize(
+    ("scale", "currents", "said"),
+    [
+        ([0.11, 0.13, 0.3], False, "pan, lift, roll would fit in amperes, .*: map them as 'current: {channels: "),
+        ([1.2, 0.09, 1.1], False, "they would fit in amperes, by the drives' torque constants and ratios: map"),
+        ([0.013, 0.014, 0.02], False, "they would fit in N m at the motor's shaft: map them as 'torque: {.* side: m"),
+        ([1.2e3, 1.4e3, 900.0], False, "they would fit in mN m: map them as 'torque: {channels: ..., unit: mN m}'"),
+        ([0.013, 0.014, 0.02], True, "they would fit if the torque constants .* motor's shaft: multiply them by"),
+        ([40.0, 40.0, 40.0], False, "check their unit, such as amperes, and whether they are at the motor's shaft"),
+        ([4.0, 0.3, 1.3], False, None),
+    ],
+)
+def test_units_that_explain_the_size_of_torques_are_named(scale: list[float], currents: bool, said: str | None):
+    files = np.column_stack([TORQUE, 5.0 * np.sin(0.7 * TIME), 3.0 * np.sin(2.9 * TIME)])
+    drives = {
+        joint: Drive(ratio, motor=Motor(0.1)) for joint, ratio in {"pan": 100.0, "lift": -90.0, "roll": 50}.items()
+    }
+    found = of_size(files, scale, drives, from_currents=currents)
+    assert len(found) == (said is not None) and all(re.search(f" times: {said}", note) for note in found), found

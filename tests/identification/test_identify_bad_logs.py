@@ -66,7 +66,10 @@ def test_a_wrong_unit_leads_and_what_follows_from_it_is_counted_and_in_the_repor
     status, text = run(files, log, tmp_path / "out")
     unit, others = text[: text.index("not identified: ")].split("warning: ")[1:]
     assert status == 0
-    assert re.match(r"torques are far from what the robot's files predict .*, elbow \d\.\d*e\+03 times: check", unit)
+    told = (
+        r"torques are far from what the robot's files predict .*, elbow \d\.\d*e\+03 times: they would fit in mN m: map"
+    )
+    assert re.match(told, unit)
     assert re.match(r"\d+ further doubts? may follow from this, see the report: correct it first", others)
     assert "elbow: the model misses its torque by" in (tmp_path / "out" / "report.html").read_text()
 

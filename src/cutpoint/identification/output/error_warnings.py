@@ -6,6 +6,7 @@ import numpy as np
 
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.torque_errors import TorqueErrors, mean_known
+from cutpoint.model.drive import Drive
 
 WORSE = 2.0
 """Times the error on the fitted part: with a larger one on the rest, the model does not generalise."""
@@ -26,10 +27,16 @@ MORE = 1.05
 """Times the error of the files' model: up to this, both explain the torques equally well."""
 
 UNLIKE = 30.0
-"""Ratio to the torques of the files' model, or its inverse: no mass is that wrong."""
+"""Ratio to the torques of the files' model: no mass is that wrong, not even one that is missing."""
+
+SMALL = 0.2
+"""The same where files predict more than was measured: masses that are too large are so by less."""
 
 ALIKE = 0.5
 """Least correlation with these of a joint whose torques alone are that large: else friction may be."""
+
+EXPLAINED = 2.0
+"""Times, or its inverse, that may be left of such a ratio by a unit that explains it: masses and friction are."""
 
 DRIFTS = 1.0
 """Times the error on the fitted part: a larger change of friction causes most of it."""
@@ -58,18 +65,46 @@ def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     return notes
 
 
-def unit_notes(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
-    """A sentence on torques of a size that no masses explain: of all joints, or of those whose are like the files'."""
+def unit_notes(errors: TorqueErrors, drives: Mapping[str, Drive], from_currents: bool = False) -> list[str]:
+    """A sentence on torques of a size that no masses explain: of all joints, or of those whose are like the files'; and
+    on what explains it.  drives: by joint.  from_currents: whether torques are those of recorded currents."""
     measured, files = (np.sqrt(mean_known(x**2)) for x in (errors.measured, errors.before))
     times = measured / np.maximum(files, TINY)
-    unlike = (times > UNLIKE) | (times < 1.0 / UNLIKE)
+    unlike = (times > UNLIKE) | (times < SMALL)
     if not unlike[np.isfinite(times)].all():
-        unlike &= np.diag(errors.likeness()) > ALIKE
+        unlike &= np.abs(np.diag(errors.likeness())) > ALIKE
     if not unlike.any():
         return []
-    check = "check their unit, and whether they are at the motor's shaft or at the joint"
-    which = ", ".join(f"{joints[j]} {times[j]:.3g} times" for j in np.flatnonzero(unlike).tolist())
-    return [f"torques are far from what the robot's files predict for this motion, {which}: {check}"]
+    ratios = dict(zip(drives, times.tolist(), strict=True))
+    far = [joint for joint, each in zip(drives, unlike, strict=True) if each]
+    which = ", ".join(f"{joint} {ratios[joint]:.3g} times" for joint in far)
+    words = "torques are far from what the robot's files predict for this motion"
+    return [f"{words}, {which}: {_cause(ratios, far, drives, from_currents)}"]
+
+
+def _cause(ratios: Mapping[str, float], far: list[str], drives: Mapping[str, Drive], from_currents: bool) -> str:
+    """What explains ratios to the files' torques, by joint, and what to do.  far: joints that need an explanation."""
+    gears = {joint: abs(drive.ratio) for joint, drive in drives.items()}
+    in_amperes = {j: abs(d.motor.torque_constant * d.ratio) for j, d in drives.items() if d.motor}
+    of_torques = {
+        "in amperes, by the drives' torque constants and ratios: map them as 'current: {channels: ..., unit: A}', or "
+        "as 'torque: {channels: ..., unit: A, gain: ...}'": in_amperes,
+        "in N m at the motor's shaft: map them as 'torque: {channels: ..., side: motor}'": gears,
+        "in mN m: map them as 'torque: {channels: ..., unit: mN m}'": dict.fromkeys(drives, 1e-3),
+    }
+    of_currents = {"if the torque constants given are those at the motor's shaft: multiply them by the ratios": gears}
+    told: list[str] = []
+    for words, worth in (of_currents if from_currents else of_torques).items():
+        named = [joint for joint, each in worth.items() if _explains(float(each), ratios[joint])]
+        if not set(named).isdisjoint(far):
+            told.append(f"{'they' if named == far else ', '.join(named)} would fit {words}")
+    unit = "unit and the torque constants" if from_currents else "unit, such as amperes"
+    return "; ".join(told) or f"check their {unit}, and whether they are at the motor's shaft or at the joint"
+
+
+def _explains(worth: float, ratio: float) -> bool:
+    """Whether a ratio to the files' torques is due to a unit of this worth, and not to masses and friction."""
+    return 1.0 / EXPLAINED < worth * ratio < EXPLAINED and not 1.0 / EXPLAINED < ratio < EXPLAINED
 
 
 def _of_rest(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:

@@ -191,7 +191,8 @@ def _identification(
     of_log = [*_noted(recording, *FALSE), *unlike_sides(recording)]
     # such channels explain torques that are unlike the files'
     swapped = [] if of_log else swap_notes(before, recording, errors, rigid.cutoff)
-    causes = (*of_log, *swapped, *unit_notes(errors, before.joints))
+    unit = unit_notes(errors, before.drives, from_currents="torque" not in recording.channels)
+    causes = (*of_log, *swapped, *unit)
     odd = (*causes, *_noted(recording, CLIPPED), *unlike_rates(recording))
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
