@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from arm_logs import LAW, TIME, TRUTH, channels
+from arm_logs import LAW, TIME, TRUTH, channels, motions
 
-from cutpoint import Drive, Robot
+from cutpoint import Coulomb, Drive, Robot
 from cutpoint.identification import Recording, identify
 from cutpoint.identification.logs.spikes import without_spikes
 
@@ -45,6 +45,15 @@ def test_steps_coarse_encoders_held_values_noise_and_gaps_are_no_spikes(kind: st
     }[kind]
     before = recorded(torque=changed)
     assert without_spikes(before) is before
+
+
+@pytest.mark.parametrize("every", [1, 2, 5])
+@pytest.mark.parametrize("smoothing", [0.005, 0.02, 0.05, 0.2])
+def test_friction_that_turns_round_without_noise_is_no_spike(smoothing: float, every: int):
+    q, v, a = motions()
+    torque = TRUTH.inverse_dynamics(q, v, a) + Coulomb(4.0, 3.0, smoothing).torque(v)
+    exact = Recording(TIME[::every], TRUTH.joints, q=q[::every], torque=torque[::every])
+    assert without_spikes(exact) is exact
 
 
 def test_spikes_are_found_at_uneven_times_and_late_samples_are_none():

@@ -26,6 +26,9 @@ MOST_ARE = 0.95
 SPIKE = 10.0
 """A spike is this many times as far off as most samples."""
 
+ALIKE = 0.3
+"""Share of a spike's distance that may be left at its neighbours without it: of what only bends, more is left."""
+
 SELDOM = 0.02
 """Share of the samples: what is more frequent is not a spike."""
 
@@ -49,8 +52,10 @@ def _mended(time: Array, column: Array) -> int:
         return 0
     x, mended, weights, noise = column[known], np.zeros(known.size, bool), *_cubics(time[known])
     for _ in range(PASSES):
-        curve = (weights * x[_neighbours(x.size)]).sum(axis=1)
-        spikes = _spikes(x, np.abs(x - curve) / noise)
+        curve, off = _off_curve(x, weights, noise)
+        spikes = _spikes(time[known], x, off)
+        left = _off_curve(np.where(spikes, curve, x), weights, noise)[1]
+        spikes[1:-1] &= np.maximum(left[:-2], left[2:]) < ALIKE * off[1:-1]
         x[spikes] = curve[spikes]
         mended |= spikes
     if mended.sum() > SELDOM * x.size:
@@ -77,12 +82,29 @@ def _cubics(time: Array) -> tuple[Array, Array]:
     return np.column_stack(weights), np.where(far, np.inf, noise)
 
 
-def _spikes(x: Array, off_curve: Array) -> NDArray[np.bool_]:
-    """Samples farthest off of those nearby, and as far from the median: a step is near that, a reversal near both."""
-    away = np.abs(x - median_filter(x, NEIGHBOURS, mode="nearest"))
+def _off_curve(x: Array, weights: Array, noise: Array) -> tuple[Array, Array]:
+    """The cubics through the neighbours of each sample (N,), and its distances from them."""
+    curve = (weights * x[_neighbours(x.size)]).sum(axis=1)
+    return curve, np.abs(x - curve) / noise
+
+
+def _spikes(time: Array, x: Array, off_curve: Array) -> NDArray[np.bool_]:
+    """Samples farthest off of those nearby, and as far from the median and from the lines through the two before and
+    the two after: a step is near that or a line, a reversal near both, a corner near a line."""
+    away = np.minimum.reduce([np.abs(x - median_filter(x, NEIGHBOURS, mode="nearest")), *_off_lines(time, x)])
     usual = max(float(np.quantile(off_curve, MOST_ARE)), _finest_step(x))
     farthest = off_curve == maximum_filter1d(off_curve, NEIGHBOURS, mode="nearest")
     return farthest & (off_curve > SPIKE * usual) & (away > 0.5 * off_curve)
+
+
+def _off_lines(time: Array, x: Array) -> tuple[Array, Array]:
+    """Distances of each sample from the lines through the two before, and the two after, (N,) each; infinite where
+    there are not as many."""
+    before, after = np.full((2, x.size), np.inf)
+    slopes = np.diff(x) / np.diff(time)
+    before[2:] = np.abs(x[2:] - x[1:-1] - slopes[:-1] * np.diff(time)[1:])
+    after[:-2] = np.abs(x[:-2] - x[1:-1] + slopes[1:] * np.diff(time)[:-1])
+    return before, after
 
 
 def _finest_step(x: Array) -> float:
