@@ -49,6 +49,12 @@ def test_a_model_that_carries_over_is_not_spoken_of():
     assert said(after=STUCK / 20.0, plain=STUCK / 20.0, speed=np.where(RESTS, 0.0, 1.0)) == []  # 0.7 % of the torque
 
 
+def test_errors_at_rest_where_dry_friction_is_unknown_are_no_contact():
+    brief = np.abs(TIME - 12.5) < 0.3
+    notes = [said(after=np.where(brief, 5.0, 0.1), speed=speed) for speed in (1.0, np.where(brief, 0.01, 1.0))]
+    assert [any(note.startswith("half of") for note in each) for each in notes] == [True, False]
+
+
 def test_nothing_is_said_of_the_torque_that_holds_a_joint_still():
     assert said(after=10.0, plain=10.0, before=5.0, speed=0.0) == []
 

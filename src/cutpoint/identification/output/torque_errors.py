@@ -91,10 +91,12 @@ class TorqueErrors:
 
     def burst(self) -> tuple[Array, Array]:
         """(n,) s, by joint: start and length of the shortest time that holds half of the squared error of "after", on
-        the fitted part; NaN where there is none."""
+        the fitted part, in errors while it moves; NaN where there is none."""
         fitted = ~self.held_out
-        time, squares = self.time[fitted], np.square(self.measured - self.after)[fitted]
-        found = [_half_within(time, each) for each in np.nan_to_num(squares).T]
+        time, squares = self.time[fitted], np.nan_to_num(np.square(self.measured - self.after)[fitted])
+        moves = np.abs(self.v[fitted]) >= RESTS * self.speed()
+        columns = zip(np.where(moves, squares, 0.0).T, squares.sum(axis=0).tolist(), strict=True)
+        found = [_half_within(time, *each) for each in columns]
         start, length = np.array(found).reshape(-1, 2).T
         return start, length
 
@@ -140,12 +142,12 @@ def _share(part: Array, whole: Array) -> Array:
     return np.nansum(part, axis=0) / np.where(total > 0.0, total, 1.0)
 
 
-def _half_within(time: Array, squares: Array) -> tuple[float, float]:
-    """Start and length of the shortest time that holds half of what is at the times (N,)."""
+def _half_within(time: Array, squares: Array, whole: float) -> tuple[float, float]:
+    """Start and length of the shortest time that holds half of the whole, of what is at the times (N,)."""
     total = np.concatenate([[0.0], np.cumsum(squares)])
-    ends = np.searchsorted(total, total[:-1] + 0.5 * total[-1])
+    ends = np.searchsorted(total, total[:-1] + 0.5 * whole)
     first = np.flatnonzero(ends < total.size)
-    if not total[-1] > 0.0:
+    if not (whole > 0.0 and first.size):
         return np.nan, np.nan
     lengths = time[ends[first] - 1] - time[first]
     k = int(np.argmin(lengths))
