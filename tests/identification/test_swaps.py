@@ -38,6 +38,16 @@ def test_a_joint_of_which_a_sign_is_reversed_is_named_with_what_is_reversed(join
     assert what in causes[0]
 
 
+@pytest.mark.parametrize("joints", [(0, 1), (0, 2), (1, 3), (2, 3)])
+@pytest.mark.parametrize("name", ["q", "torque"])
+def test_two_joints_of_which_signs_are_reversed_are_both_named(joints: tuple[int, int], name: str):
+    signs = np.where(np.isin(np.arange(4), joints), -1.0, 1.0)
+    causes = identify(KNOWN.file, replace(LOG, **{name: LOG[name] * signs}), friction="stated", hold_out=0.0).causes
+    which = ", ".join(KNOWN.robot.joints[j] for j in joints)
+    assert len(causes) == 1 and f" of {which} look reversed: turned round, they fit" in causes[0], causes
+    assert {"q": "positions", "torque": "torques"}[name] in causes[0]
+
+
 def test_all_joints_whose_torques_are_reversed_are_named():
     causes = identify(KNOWN.file, replace(LOG, torque=-LOG["torque"]), friction="stated", hold_out=0.0).causes
     assert len(causes) == 1 and causes[0].startswith(

@@ -67,13 +67,14 @@ def swap_notes(robot: Robot, recording: Recording, errors: TorqueErrors, cutoff:
 
 
 def _changes(likeness: Array) -> list[tuple[list[int], NDArray[np.intp], Array]]:
-    """Joints, and the order and signs (n,) of columns to try: pairs, single joints, and all that look reversed."""
+    """Joints, and the order and signs (n,) of columns to try: pairs exchanged, and single joints, pairs, and all that
+    look reversed turned round."""
     own, odd = np.arange(likeness.size), likeness < UNLIKE
     pairs = [[*pair] for pair in combinations(range(likeness.size), 2) if odd[[*pair]].any()]
-    turned = np.flatnonzero(likeness < -LIKE).tolist()
-    singles = [[j] for j in np.flatnonzero(odd).tolist()] + ([turned] if len(turned) > 1 else [])
+    singles, turned = np.flatnonzero(odd)[:, None].tolist(), np.flatnonzero(likeness < -LIKE).tolist()
+    turns = [*singles, *pairs, *([turned] if len(turned) > 2 else [])]
     found = [(pair, _with(own, pair, own[pair[::-1]]), np.ones(own.size)) for pair in pairs]
-    return found + [(joints, own, _with(np.ones(own.size), joints, -1.0)) for joints in singles]
+    return found + [(joints, own, _with(np.ones(own.size), joints, -1.0)) for joints in turns]
 
 
 def _with(values: NDArray[Any], at: list[int], others: Any) -> NDArray[Any]:
