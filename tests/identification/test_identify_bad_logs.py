@@ -109,6 +109,17 @@ def test_torques_that_were_not_measured_are_the_cause_of_other_doubts(files: Pat
     assert not any(cause in note for note in found.notes)
 
 
+@pytest.mark.parametrize("drives", ["sprung", "rigid"])
+def test_encoders_on_both_sides_of_drives_that_bend_do_not_read_the_same(files: Path, drives: str):
+    both = channels()
+    log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"])
+    causes = identify(files / "arm.urdf", log, drives=files / f"{drives}.yaml", friction="stated").causes
+    told = (
+        "columns are equal, as if one was copied, or both are references: q and theta of shoulder, elbow, whose drives"
+    )
+    assert [cause.startswith(told) for cause in causes] == ([True] if drives == "sprung" else [])
+
+
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
     both = channels()
     log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])

@@ -1,5 +1,6 @@
 """Columns that were not measured: copies of another joint's, and values that stand still while the joint moves."""
 
+from collections.abc import Collection
 from itertools import combinations
 
 import numpy as np
@@ -32,6 +33,20 @@ def copy_notes(recording: Recording) -> list[str]:
                 found.append(f"{name} of {recording.joints[a]} and {recording.joints[b]}")
     remedy = "map each joint's own, or lock one"
     return [f"{COPIED}, as if one was logged twice: {'; '.join(found)}: {remedy}"] if found else []
+
+
+def side_notes(recording: Recording, joints: Collection[str]) -> list[str]:
+    """A sentence on joints, of those given, whose encoders on both sides read exactly the same, or none."""
+    if not {"q", "theta"} <= recording.channels.keys():
+        return []
+    found: list[str] = []
+    for joint, q, theta in zip(recording.joints, recording["q"].T, recording["theta"].T, strict=True):
+        known = np.isfinite(q) & np.isfinite(theta)
+        if joint in joints and known.any() and (q[known] == theta[known]).all() and np.ptp(q[known]) > 0.0:
+            found.append(joint)
+    remedy = "map what each encoder measured, or only one side"
+    words = f"as if one was copied, or both are references: q and theta of {', '.join(found)}"
+    return [f"{COPIED}, {words}, whose drives bend: {remedy}"] if found else []
 
 
 def stuck_notes(recording: Recording) -> list[str]:

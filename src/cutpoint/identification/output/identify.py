@@ -22,6 +22,7 @@ from cutpoint.identification.logs.read_recording import read_recording
 from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
+from cutpoint.identification.logs.stuck import side_notes
 from cutpoint.identification.logs.suspicions import (
     CLIPPED,
     FALSE,
@@ -156,7 +157,8 @@ def _read(
     recordings = [_recorded(log, mapping, before) for log in logs]
     with placed(_files(logs)):
         recording = recordings[0] if len(recordings) == 1 else joined([*map(_named, logs, recordings)])
-        recording = with_other_sides(recording)
+        bend = [joint for joint, drive in before.drives.items() if drive.is_elastic]
+        recording = with_other_sides(recording.with_notes(side_notes(recording, bend)))
     are_both = {"q", "theta"} <= recording.channels.keys() and {*before.joints} <= {*recording.joints}
     resolution = encoder_steps(recording.in_order(before.joints)) if are_both else None
     clean = without_spikes(without_repeats(recording))
