@@ -120,6 +120,14 @@ def test_encoders_on_both_sides_of_drives_that_bend_do_not_read_the_same(files: 
     assert [cause.startswith(told) for cause in causes] == ([True] if drives == "sprung" else [])
 
 
+def test_a_position_that_never_changes_while_the_other_side_moves_is_the_cause_of_other_doubts(files: Path):
+    log = Recording(TIME, ("shoulder", "elbow"), **elbow("q", lambda x: 0.0 * x), theta=channels()["q"])
+    causes = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").causes
+    assert [cause.partition(": ")[2] for cause in causes] == [
+        "q of elbow from 0 to 9.998 s: leave these cells empty, or that part out"
+    ]
+
+
 def test_motors_that_are_mapped_to_each_others_links_make_the_result_doubtful(files: Path):
     both = channels()
     log = Recording(TIME, ("shoulder", "elbow"), **both, theta=both["q"][:, ::-1])

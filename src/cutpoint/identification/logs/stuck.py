@@ -70,7 +70,9 @@ def _used(recording: Recording) -> list[str]:
 
 def _longest_hold(x: Array) -> tuple[int, int]:
     """First sample and that after the last, of the longest time in which a column (N,) stays the same between its
-    extremes; none if that is no longer than values usually last."""
+    extremes, or all if it never changes; none if that is no longer than values usually last."""
+    if np.ptp(x) == 0.0:
+        return 0, x.size
     bounds = np.concatenate([[0], np.flatnonzero(np.diff(x) != 0.0) + 1, [x.size]])
     inside = (x[bounds[:-1]] > np.nanmin(x, initial=np.inf)) & (x[bounds[:-1]] < np.nanmax(x, initial=-np.inf))
     held = np.where(inside, np.diff(bounds), 0)
