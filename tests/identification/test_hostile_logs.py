@@ -287,6 +287,7 @@ def test_a_log_reads_no_other_file(tmp_path: Path):
         ("t,q\n\x1bc,m\n0,1\n", r"the line below the names holds '\\x1bc, m': .* '\\x1bc' is neither"),
         ("# a remark\n\nt,q\n0,1\n1\n2,3\n", r"line has 1 cell: it must have 2, as the line of names \(.*log.csv:5\)"),
         ("t,q\n0,1\n1,2,3\n", r"line has 3 cells: it must have 2, as the line of names \(.*log.csv:3\)"),
+        ("t,q\n0,0,1,5\n0,1,1,6\n", r"line has 4 cells: .*; if commas are decimal points here, .*semicolons"),
         ("t,q,q\n0,1,2\n", r"column 'q' occurs twice: each name must be unique \(.*log.csv:1\)"),
         (
             "t,q\ns,furlong\n0,1\n1,2\n",

@@ -44,6 +44,8 @@ def _read(text: TextIO, path: Path) -> Table:
             line, found = cut_off or (line, len(row))
             rule = f"line has {counted(found, 'cell')}: it must have {cells.width}, as the line of names"
             rule += "" if cells.count else f"; {header.remedy}"
+            if not cells.count and found > cells.width and header.delimiter == ",":
+                rule += "; if commas are decimal points here, save the log with semicolons between cells"
             raise InputError(rule, place=f"{path}:{line}")
         if len(row) < cells.width:
             cut_off = line, len(row)
