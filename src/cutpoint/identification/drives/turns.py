@@ -50,7 +50,7 @@ class Turn(NamedTuple):
 
 
 class Turns:
-    """Of one joint, from a spring and a rotor that the link's torque shows.
+    """Those of one joint, from the spring and the rotor that its link's torque shows.
 
     resolution: of both encoders together, rad at the joint's side.  stated: the spring of the file, without play.
     """
