@@ -1,6 +1,7 @@
 """Removal of single false samples, such as flipped bits or lost frames."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +51,13 @@ def _mended(time: Array, column: Array) -> int:
     known = np.flatnonzero(np.isfinite(column))
     if known.size < NEIGHBOURS:
         return 0
-    x, mended, weights, noise = column[known], np.zeros(known.size, bool), *_cubics(time[known])
+    x, mended, cubics = column[known], np.zeros(known.size, bool), _cubics(time[known])
     for _ in range(PASSES):
-        curve, off = _off_curve(x, weights, noise)
+        curve, off = cubics.beside(x)
         spikes = _spikes(time[known], x, off)
-        left = _off_curve(np.where(spikes, curve, x), weights, noise)[1]
+        if not spikes.any():
+            break
+        _, left = cubics.beside(np.where(spikes, curve, x))
         spikes[1:-1] &= np.maximum(left[:-2], left[2:]) < ALIKE * off[1:-1]
         x[spikes] = curve[spikes]
         mended |= spikes
@@ -71,21 +74,28 @@ def _neighbours(count: int) -> NDArray[np.intp]:
     return five[five != own].reshape(count, NEIGHBOURS - 1)
 
 
-def _cubics(time: Array) -> tuple[Array, Array]:
-    """Weights of the neighbours, (N, 4), in the cubic through them at each time (N,); and how much noisier the distance
-    to it is than at even times, (N,): infinite beside a gap, where it is meaningless."""
-    apart = time[_neighbours(time.size)] - time[:, None]
+class _Cubics(NamedTuple):
+    """Those through each sample's neighbours: which these are, and their weights, (N, 4); and how much noisier the
+    distance to it is than at even times, (N,): infinite beside a gap, where it is meaningless."""
+
+    neighbours: NDArray[np.intp]
+    weights: Array
+    noise: Array
+
+    def beside(self, x: Array) -> tuple[Array, Array]:
+        """The cubics at the samples (N,), and the distances of these from them."""
+        curve = (self.weights * x[self.neighbours]).sum(axis=1)
+        return curve, np.abs(x - curve) / self.noise
+
+
+def _cubics(time: Array) -> _Cubics:
+    near = _neighbours(time.size)
+    apart = time[near] - time[:, None]
     others = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]
     weights = [(-apart[:, o] / (apart[:, [k]] - apart[:, o])).prod(axis=1) for k, o in enumerate(others)]
     noise = np.sqrt((1.0 + np.square(weights).sum(axis=0)) / EVEN)
     far = np.ptp(apart, axis=1) > GAP * NEIGHBOURS * np.median(np.diff(time))
-    return np.column_stack(weights), np.where(far, np.inf, noise)
-
-
-def _off_curve(x: Array, weights: Array, noise: Array) -> tuple[Array, Array]:
-    """The cubics through the neighbours of each sample (N,), and its distances from them."""
-    curve = (weights * x[_neighbours(x.size)]).sum(axis=1)
-    return curve, np.abs(x - curve) / noise
+    return _Cubics(near, np.column_stack(weights), np.where(far, np.inf, noise))
 
 
 def _spikes(time: Array, x: Array, off_curve: Array) -> NDArray[np.bool_]:
