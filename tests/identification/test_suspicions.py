@@ -52,6 +52,12 @@ def test_no_channel_of_a_joint_that_only_its_spring_moves_is_taken_for_another_u
     assert read(**{name: elbow(name, values) for name, values in still.items()}).notes == ()
 
 
+@pytest.mark.parametrize("name", GOOD)
+def test_a_single_false_sample_is_no_other_unit(name: str):
+    false = elbow(name, np.where(np.arange(T.size) == 1700, 1e3, GOOD[name][:, 1]))
+    assert not [note for note in read(**{name: false}).notes if "another unit" in note]
+
+
 @pytest.mark.parametrize("every", [1, 10])
 @pytest.mark.parametrize("by", [0.02, -0.5])
 @pytest.mark.parametrize("name", ["q", "theta"])

@@ -6,11 +6,9 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.errors import counted
+from cutpoint.identification.logs.doubts import Cause
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.logs.resampling import longest_step
-
-JUMPED = "positions jump and stay there"
-"""Begins the note, which is a doubt too."""
 
 BESIDE = np.array([1, 2, 3])
 """Steps before and after one, that say what is expected of it: what returns within three is a spike, not a jump."""
@@ -29,7 +27,7 @@ MOST_DEFLECTION = 0.02
 """rad: no drive's spring deflects this far at rest."""
 
 
-def jump_notes(recording: Recording) -> list[str]:
+def jump_notes(recording: Recording) -> list[Cause]:
     """A sentence on positions that jump, or, of two encoders, on those whose difference does across a gap; or none."""
     both = {name: recording[name] for name in ("q", "theta") if name in recording.channels}
     found = [words for name, x in both.items() for words in _told(recording, name, x, _jumps)]
@@ -38,7 +36,8 @@ def jump_notes(recording: Recording) -> list[str]:
     if not found:
         return []
     remedy = "use the log before or after that, by 'time: {start: ..., end: ...}' in a mapping"
-    return [f"{JUMPED}, as if a counter was set anew, or samples were lost: {'; '.join(found)}: {remedy}"]
+    what = "positions jump and stay there, as if a counter was set anew, or samples were lost"
+    return [Cause(f"{what}: {'; '.join(found)}: {remedy}")]
 
 
 def _told(recording: Recording, name: str, x: Array, jumps: Callable[[Array, Array], tuple[Array, Array]]) -> list[str]:

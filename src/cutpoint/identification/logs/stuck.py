@@ -6,14 +6,9 @@ from itertools import combinations
 import numpy as np
 
 from cutpoint.arrays import Array
+from cutpoint.identification.logs.doubts import Cause
 from cutpoint.identification.logs.jumps import MOST_DEFLECTION
 from cutpoint.identification.logs.recording import EFFORTS, Recording, travel
-
-COPIED = "columns are equal"
-"""Begins the note on copies, which is a doubt too."""
-
-STUCK = "values stand still while the joint moves"
-"""Begins the note on columns that stop changing, which is a doubt too."""
 
 TRAVEL = 0.1
 """Share of a joint's travel, during which its torque cannot stay exactly the same."""
@@ -22,7 +17,7 @@ LONGER = 20.0
 """Times as long as values are held in the mean: where these have coarse steps, they stay the same for a while."""
 
 
-def copy_notes(recording: Recording) -> list[str]:
+def copy_notes(recording: Recording) -> list[Cause]:
     """A sentence on pairs of joints that have the same column, or none."""
     found: list[str] = []
     for name in _used(recording):
@@ -31,11 +26,11 @@ def copy_notes(recording: Recording) -> list[str]:
             known = np.isfinite(x[:, [a, b]]).all(axis=1)
             if (x[known, a] == x[known, b]).all() and known.any() and np.ptp(x[known, a]) > 0.0:
                 found.append(f"{name} of {recording.joints[a]} and {recording.joints[b]}")
-    remedy = "map each joint's own, or lock one"
-    return [f"{COPIED}, as if one was logged twice: {'; '.join(found)}: {remedy}"] if found else []
+    words = f"columns are equal, as if one was logged twice: {'; '.join(found)}: map each joint's own, or lock one"
+    return [Cause(words)] if found else []
 
 
-def side_notes(recording: Recording, joints: Collection[str]) -> list[str]:
+def side_notes(recording: Recording, joints: Collection[str]) -> list[Cause]:
     """A sentence on joints, of those given, whose encoders on both sides read exactly the same, or none."""
     if not {"q", "theta"} <= recording.channels.keys():
         return []
@@ -45,11 +40,11 @@ def side_notes(recording: Recording, joints: Collection[str]) -> list[str]:
         if joint in joints and known.any() and (q[known] == theta[known]).all() and np.ptp(q[known]) > 0.0:
             found.append(joint)
     remedy = "map what each encoder measured, or only one side"
-    words = f"as if one was copied, or both are references: q and theta of {', '.join(found)}"
-    return [f"{COPIED}, {words}, whose drives bend: {remedy}"] if found else []
+    words = f"columns are equal, as if one was copied, or both are references: q and theta of {', '.join(found)}"
+    return [Cause(f"{words}, whose drives bend: {remedy}")] if found else []
 
 
-def stuck_notes(recording: Recording) -> list[str]:
+def stuck_notes(recording: Recording) -> list[Cause]:
     """A sentence on columns that stay exactly the same for a while in which the joint moves, or none."""
     sides = [name for name in _used(recording) if name not in EFFORTS]
     found: list[str] = []
@@ -61,7 +56,8 @@ def stuck_notes(recording: Recording) -> list[str]:
             if any(travel(y[start:end, j]) > by for y, by in zip(others, least, strict=True)):
                 found.append(f"{name} of {joint} from {recording.time[start]:.4g} to {recording.time[end - 1]:.4g} s")
     remedy = "leave these cells empty, or that part out"
-    return [f"{STUCK}, as if they were no longer measured: {'; '.join(found)}: {remedy}"] if found else []
+    what = "values stand still while the joint moves, as if they were no longer measured"
+    return [Cause(f"{what}: {'; '.join(found)}: {remedy}")] if found else []
 
 
 def _used(recording: Recording) -> list[str]:

@@ -8,11 +8,12 @@ from scipy.ndimage import binary_erosion
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError, counted
-from cutpoint.identification.logs.jumps import JUMPED, MOST_DEFLECTION, jump_notes
+from cutpoint.identification.logs.doubts import Cause, Doubt
+from cutpoint.identification.logs.jumps import MOST_DEFLECTION, jump_notes
 from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.identification.logs.resampling import longest_step
 from cutpoint.identification.logs.spikes import SELDOM, without_spikes
-from cutpoint.identification.logs.stuck import COPIED, STUCK, copy_notes, stuck_notes
+from cutpoint.identification.logs.stuck import copy_notes, stuck_notes
 from cutpoint.identification.logs.time_stamps import check_period
 from cutpoint.model.limits import check_configuration
 from cutpoint.robot import Robot
@@ -31,12 +32,6 @@ UNLIKE = 10.0
 
 FITS = 0.1
 """Tolerance of a factor that should be 1: noise and deflection have a smaller effect."""
-
-FALSE = (COPIED, STUCK, JUMPED)
-"""Begin the notes on what cannot be right, which are doubts, and explain others."""
-
-CLIPPED = "stays at its extreme: was it clipped?  If so, leave these parts out"
-"""Ends the note on torques that may be limited, which is a doubt too."""
 
 EXPLANATIONS = {
     -1.0: "a wrong sign",
@@ -131,21 +126,28 @@ def _likely_unit(slides: bool, x: Array, recording: Recording, robot: Robot) -> 
 
 
 def suspicions(recording: Recording) -> list[str]:
-    """A note on each thing that looks wrong, naming its joints."""
-    notes = [*copy_notes(recording), *stuck_notes(recording), *jump_notes(recording)]
+    """A note on each thing that looks wrong, naming its joints; some are a `Doubt`, or a `Cause` of others."""
+    notes: list[str] = [*copy_notes(recording), *stuck_notes(recording), *jump_notes(recording)]
     for name in recording.channels:
         notes += _noted(recording, name, "holds no numbers", lambda x: not np.isfinite(x).any())
         notes += _noted(recording, name, "lacks some samples", lambda x: 0 < int(np.isnan(x).sum()) < x.size)
         notes += _noted(recording, name, "never changes: was it measured?", _is_constant)
     for name in ("torque", "current"):
-        notes += _noted(recording, name, CLIPPED, _is_cut_off)
+        rule = "stays at its extreme: was it clipped?  If so, leave these parts out"
+        notes += map(Doubt, _noted(recording, name, rule, _is_cut_off))
     for name in ("q", "theta"):
         rule = f"spans more than {TURNS:g} turns: degrees for radians, or mm for m?"
         notes += _noted(recording, name, rule, lambda x: _span(x) > TURNS * 2.0 * math.pi)
-    return [*notes, *unlike_rates(recording), *unlike_sides(recording), *_other_zeros(recording)]
+    unlike = _unlike(recording)
+    return [*notes, *(_unlike(without_spikes(recording)) if unlike else []), *_other_zeros(recording)]
 
 
-def unlike_rates(recording: Recording) -> Iterator[str]:
+def _unlike(recording: Recording) -> list[Doubt]:
+    """Notes on channels that are multiples of others: of speeds, and of motors, which nothing else can explain."""
+    return [*map(Doubt, _unlike_rates(recording)), *map(Cause, _unlike_sides(recording))]
+
+
+def _unlike_rates(recording: Recording) -> Iterator[str]:
     """A note on each speed that is a multiple of its position's."""
     time = recording.time
     for whole, rate in (("q", "v"), ("theta", "theta_dot")):
@@ -155,7 +157,7 @@ def unlike_rates(recording: Recording) -> Iterator[str]:
             yield from _notes_on_factor(f"{rate} of {joint!r}", f"the rate of {whole}", factor)
 
 
-def unlike_sides(recording: Recording) -> Iterator[str]:
+def _unlike_sides(recording: Recording) -> Iterator[str]:
     """A note on each motor whose position is a multiple of its link's."""
     for (joint, x), (_, theta) in zip(_columns(recording, "q"), _columns(recording, "theta"), strict=False):
         factor = _multiple(theta, x, recording.time)

@@ -16,6 +16,7 @@ from cutpoint.identification.conditioning.alignment import aligned
 from cutpoint.identification.conditioning.bridging import bridged
 from cutpoint.identification.conditioning.other_sides import with_other_sides
 from cutpoint.identification.drives.identify_drives import DriveEstimates, checked_delay, encoder_steps
+from cutpoint.identification.logs.doubts import Cause, Doubt
 from cutpoint.identification.logs.even_times import evenly_stamped
 from cutpoint.identification.logs.joining import joined
 from cutpoint.identification.logs.read_recording import read_recording
@@ -23,14 +24,7 @@ from cutpoint.identification.logs.recording import EFFORTS, UNEVEN, Recording
 from cutpoint.identification.logs.repeats import only_new_rows, without_repeats
 from cutpoint.identification.logs.spikes import without_spikes
 from cutpoint.identification.logs.stuck import side_notes
-from cutpoint.identification.logs.suspicions import (
-    CLIPPED,
-    FALSE,
-    refuse_other_units,
-    suspicions,
-    unlike_rates,
-    unlike_sides,
-)
+from cutpoint.identification.logs.suspicions import refuse_other_units, suspicions
 from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
@@ -174,7 +168,8 @@ def _named(log: OneLog, recording: Recording) -> Recording:
     """The recording, whose notes name its file."""
     if isinstance(log, Recording):
         return recording
-    return replace(recording, notes=tuple(f"{Path(log).name}: {note}" for note in recording.notes))
+    notes = (type(note)(f"{Path(log).name}: {note}") for note in recording.notes)
+    return replace(recording, notes=tuple(notes))
 
 
 def _identification(
@@ -189,13 +184,12 @@ def _identification(
     rigid, sprung = found.rigid, found.drives
     after, words = _with_springs(rigid.robot, sprung)
     words += _one_sided(before, recording)
-    # of the log as it was read: resampled, a jump is less clear
-    of_log = [*_noted(recording, *FALSE), *unlike_sides(recording)]
+    of_log = [note for note in recording.notes if isinstance(note, Cause)]
     # such channels explain torques that are unlike the files'
     swapped = [] if of_log else swap_notes(before, recording, errors, rigid.cutoff)
     unit = unit_notes(errors, before.drives, from_currents="torque" not in recording.channels)
     causes = (*of_log, *swapped, *unit)
-    odd = (*causes, *_noted(recording, CLIPPED), *unlike_rates(recording))
+    odd = [note for note in recording.notes if isinstance(note, Doubt) and not isinstance(note, Cause)]
     notes = (*found.notes, *rigid.notes, *map(str, rigid.friction), *words)
     return Identification(
         robot=after,
@@ -209,13 +203,9 @@ def _identification(
         recording=recording,
         untold=(*rigid.untold, *_untold(found)),
         causes=causes,
-        doubts=(*odd, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
-        notes=tuple(note for note in notes if not note.endswith(odd)),
+        doubts=(*causes, *odd, *found.doubts, *rigid.doubts, *warnings_of(errors, at_joints(after, "N m"))),
+        notes=tuple(note for note in notes if not isinstance(note, Doubt)),
     )
-
-
-def _noted(recording: Recording, *words: str) -> list[str]:
-    return [note for note in recording.notes if any(each in note for each in words)]
 
 
 def _one_sided(robot: Robot, recording: Recording) -> list[str]:
