@@ -128,7 +128,7 @@ def of_size(files: np.ndarray, scale: list[float], drives: dict[str, Drive], **k
     ("scale", "currents", "said"),
     [
         ([0.11, 0.13, 0.3], False, "pan, lift, roll would fit in amperes, .*: map them as 'current: {channels: "),
-        ([1.2, 0.09, 1.1], False, "they would fit in amperes, by the drives' torque constants and ratios: map"),
+        ([1.2, 0.09, 1.1], False, "they would fit in amperes, by .* map them .*, with a list that states it"),
         ([0.013, 0.014, 0.02], False, "they would fit in N m at the motor's shaft: map them as 'torque: {.* side: m"),
         ([1.2e3, 1.4e3, 900.0], False, "they would fit in mN m: map them as 'torque: {channels: ..., unit: mN m}'"),
         ([0.013, 0.014, 0.02], True, "they would fit if the torque constants .* motor's shaft: multiply them by"),

@@ -97,7 +97,8 @@ def _cause(ratios: Mapping[str, float], far: list[str], drives: Mapping[str, Dri
     for words, worth in (of_currents if from_currents else of_torques).items():
         named = [joint for joint, each in worth.items() if _explains(float(each), ratios[joint])]
         if not set(named).isdisjoint(far):
-            told.append(f"{'they' if named == far else ', '.join(named)} would fit {words}")
+            some = "" if from_currents or len(named) == len(drives) else ", with a list that states it for each joint"
+            told.append(f"{'they' if named == far else ', '.join(named)} would fit {words}{some}")
     unit = "unit and the torque constants" if from_currents else "unit, such as amperes"
     return "; ".join(told) or f"check their {unit}, and whether they are at the motor's shaft or at the joint"
 
