@@ -75,13 +75,14 @@ class Turns:
     def taken(self) -> Turn | None:
         """Until spring and rotor stand still.
 
-        None if they run away, the rotor below zero or the spring out of sight: the torques of links without weight have
-        the shape of their rotors', and with noise they fix only the ratio of stiffness and inertia.
+        None if they run away, the rotor below zero, or on while the spring is out of sight: the torques of links
+        without weight have the shape of their rotors', and with noise they fix only the ratio of stiffness and inertia.
         """
         before = [(self._spring, self._rotor)]
         for _ in range(TURNS - 1):
             found = self._turn(*before[-1], SHAPE, apart=is_seen(before[-1][0]))
-            if found.is_negative or (found.apart and not is_seen(found.spring)):
+            is_lost = found.apart and not (is_seen(found.spring) or _is_near(before[-1][1], found.rotor))
+            if found.is_negative or is_lost:
                 return None
             settled = len(before) > 1 and any(_is_near(found.rotor, own) for _, own in before)  # or returns to another
             before.append((found.spring, found.rotor))
@@ -120,9 +121,9 @@ class Turns:
         return Turn(found, corrected(rotor, found) if apart else rotor, apart)
 
 
-def _is_near(rotor: RotorEstimate, before: RotorEstimate) -> bool:
-    """Whether it changed by less than CONVERGED of its standard deviations."""
-    return bool((np.abs(rotor.values - before.values) <= CONVERGED * np.sqrt(np.diag(rotor.covariance))).all())
+def _is_near(rotor: RotorEstimate, other: RotorEstimate) -> bool:
+    """Whether another differs by less than CONVERGED of the first one's standard deviations."""
+    return bool((np.abs(rotor.values - other.values) <= CONVERGED * np.sqrt(np.diag(rotor.covariance))).all())
 
 
 def is_seen(spring: SpringEstimate) -> bool:
