@@ -58,6 +58,13 @@ def at_least(covariance: Array, other: Array) -> Array:
     return covariance * np.outer(larger, larger)
 
 
+def independent(covariance: Array) -> Array:
+    """(p, p): columns S with S S^T the covariance (p, p), each an error that is independent of the others'; S of what
+    is not determined at all, so that its covariance is infinite, is zero."""
+    variances, directions = np.linalg.eigh(np.where(np.isfinite(covariance), covariance, 0.0))
+    return np.asarray(directions * np.sqrt(np.maximum(variances, 0.0)))
+
+
 def without(covariance: Array, unseen: NDArray[np.bool_]) -> Array:
     """A covariance (p, p), with infinite variances of what was not observed, (p,)."""
     found = np.where(unseen | unseen[:, None], 0.0, covariance)

@@ -16,6 +16,7 @@ from cutpoint.arrays import Array
 from cutpoint.door import channels, checked_numbers, number, positive, turns_per_turn
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.bridging import longest_bridge
+from cutpoint.identification.conditioning.correlated_noise import independent
 from cutpoint.identification.conditioning.filtering import derivative, low_pass, low_pass_together, noise_cutoff
 from cutpoint.identification.drives.bounded import bounded_weights
 from cutpoint.identification.drives.scatter import SIGNIFICANT, Unknowns, covariance
@@ -92,10 +93,9 @@ class RotorEstimate(Unknowns):
         """(N, m), N m: of a torque with these derivatives (N,) by m of the unknowns, one standard deviation each."""
         names = [name for name in columns if name in self.names]
         among = [self.names.index(name) for name in names]
-        spread = self.covariance[np.ix_(among, among)]
         # what is not determined at all is a combination of others
-        variances, directions = np.linalg.eigh(np.where(np.isfinite(spread), spread, 0.0))
-        return np.column_stack([columns[name] for name in names]) @ (directions * np.sqrt(variances.clip(0.0)))
+        own = independent(self.covariance[np.ix_(among, among)])
+        return np.asarray(np.column_stack([columns[name] for name in names]) @ own)
 
     def _surpasses(self, name: str, times: float) -> bool:
         value = abs(self[name]) if name == "gain" else self[name]

@@ -9,6 +9,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
+from cutpoint.identification.conditioning.correlated_noise import independent
 from cutpoint.identification.conditioning.decimation import decimation
 from cutpoint.identification.conditioning.motion import Motion, check_friction, motion_of, sliding_speeds, torques_of
 from cutpoint.identification.logs.recording import Recording, check_recording
@@ -223,8 +224,7 @@ def _choices(
     b, found = base.independent.size, list[FrictionChoice]()
     first = regression(base, laws, log.motion, log.torque, log.means, offsets=offsets, loads=log.loads)
     estimate = least_squares(first)
-    variances, axes = np.linalg.eigh(solved(estimate.R, estimate.z)[1][:b, :b])
-    likely = WRONG * axes * np.sqrt(np.maximum(variances, 0.0))
+    likely = WRONG * independent(solved(estimate.R, estimate.z)[1][:b, :b])
     torque = first.torque - first.columns[..., :b] @ estimate.values[:b]
     speeds, apart = sliding_speeds(base.robot, log.motion), np.zeros(len(base.robot.joints))
     apart[[*base.rotors]] = WRONG * rotor_sizes(base)[0]
