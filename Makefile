@@ -2,7 +2,7 @@
 #
 #   make demo   the paper's comparison and control simulation, as a report in paper/
 #   make test   style, types and all tests
-#   make bench  beside Pinocchio, MuJoCo and CasADi (with gcc and clang, where there are), into docs/benchmarks.md
+#   make bench  beside Pinocchio, MuJoCo, CasADi and, where it is installed, Orocos KDL, into docs/benchmarks.md
 #
 # They need make and Python 3.11 or newer with its modules venv and pip.  PYTHON=... chooses one.
 

@@ -1,8 +1,10 @@
 """Sections of docs/benchmarks.md on a robot's functions, from their parts of the results."""
 
+from collections.abc import Sequence
+
 from tables import Row, cells, ratio, share, table, times_as_quick
 
-PEERS = ("Pinocchio", "MuJoCo", "CasADi", "CasADi, lean")
+PEERS = ("Pinocchio", "MuJoCo", "KDL", "CasADi", "CasADi, lean")
 
 _RATIO = "quickest peer / cutpoint"
 
@@ -11,6 +13,13 @@ _ONE_CALL = """## One call, without Python
 One row after another in a loop of machine code or C: cutpoint's machine code; the C that it exports, compiled by gcc.
 Jacobian: of the flange, along the world's axes.  Derivatives: of inverse dynamics with respect to q, v and a; forward
 derivatives: of forward dynamics with respect to q, v and torques.  Regressor: of joint torques.
+
+"""
+
+_KDL = """
+## Beside Orocos KDL
+
+The same calls, its time / cutpoint's, from the runs where it was installed.
 
 """
 
@@ -52,18 +61,30 @@ Inverse dynamics, from and to memory; the share is the time for copying as many 
 """
 
 
-def functions(tasks: list[dict], limits: dict) -> str:
+def functions(results: dict, others: Sequence[dict]) -> str:
+    tasks = results["tasks"]
     head = f"robot | task | cutpoint | its C, gcc | Pinocchio C++ | MuJoCo C | CasADi | CasADi, lean | {_RATIO}"
-    one = table(head, [_one_call(task, "single") for task in tasks])
+    one = table(head, [_one_call(task) for task in tasks])
     head = "robot | task | rows | lanes | Pinocchio C++ | CasADi | quickest peer / rows | / lanes | of peak | of stores"
-    many = table(head, [_batch(task, limits) for task in tasks])
-    return _ONE_CALL + one + _BATCH + many
+    many = table(head, [_batch(task, results["limits"]) for task in tasks])
+    return _ONE_CALL + one + _beside_kdl([results, *others]) + _BATCH + many
 
 
-def _one_call(task: dict, ours: str) -> Row:
-    reached = times_as_quick(task["times"], ours, PEERS)
-    shown = cells(task["times"], (ours, "C99", *PEERS))
+def _one_call(task: dict) -> Row:
+    reached = times_as_quick(task["times"], "single", PEERS)
+    shown = cells(task["times"], ("single", "C99", "Pinocchio", "MuJoCo", "CasADi", "CasADi, lean"))
     return Row((task["robot"], task["task"]), [*shown, ratio(reached)])
+
+
+def _beside_kdl(runs: Sequence[dict]) -> str:
+    """Empty where none had it."""
+    measured = {x["machine"]["processor"]: [task for task in x["tasks"] if "KDL" in task["times"]] for x in runs}
+    measured = {name: tasks for name, tasks in measured.items() if tasks}
+    rows = [
+        Row((same[0]["robot"], same[0]["task"]), [ratio(times_as_quick(x["times"], "single", ("KDL",))) for x in same])
+        for same in zip(*measured.values(), strict=True)
+    ]
+    return _KDL + table(" | ".join(["robot | task", *measured]), rows) if rows else ""
 
 
 def _batch(task: dict, limits: dict) -> Row:

@@ -16,6 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import compilers
+import kdl_peer
 import ours
 import pinocchio_cpp
 from chains import chains
@@ -91,11 +92,12 @@ def _pin_to_one_core() -> int | None:
 
 def _machine(core: int | None) -> dict:
     versions = {"Python": platform.python_version(), "cutpoint": cutpoint.__version__}
+    kdl = {"Orocos KDL": found} if (found := kdl_peer.version()) else {}
     flags = {"flags": compilers.FLAGS, "own_flags": ours.C_FLAGS, "cpp_flags": pinocchio_cpp.STANDARD}
     return {
         "processor": f"{processor()} ({binding.get_host_cpu_name()})", "core": core,
         "system": f"{platform.system()} {platform.machine()}",
-        "commit": _commit(), "versions": versions | {name: version(name) for name in PACKAGES},
+        "commit": _commit(), "versions": versions | {name: version(name) for name in PACKAGES} | kdl,
         "compilers": [x for x in map(compilers.version, ("gcc", "clang")) if x], **flags,
     }  # fmt: skip
 

@@ -6,6 +6,7 @@ from dataclasses import asdict
 
 import casadi_peer
 import compilers
+import kdl_peer
 import mujoco_peer
 import numpy as np
 import ours
@@ -35,7 +36,8 @@ def measured(robot: Case, task: str) -> dict:
     inputs = robot.inputs(task)
     kernel = ours.kernel_of(robot, task, inputs)
     cpp = pinocchio_cpp.entries(robot, task, inputs) | pinocchio_cpp.wheel(robot, task, inputs)
-    entries = {**ours.entries(kernel, inputs), **cpp, **mujoco_peer.entries(robot, task, inputs)}
+    entries = {**ours.entries(kernel, inputs), **cpp}
+    entries |= mujoco_peer.entries(robot, task, inputs) | kdl_peer.entries(robot, task, inputs)
     if compilers.version("gcc"):
         entries |= casadi_peer.entries(robot, task, inputs)
     differences = agreed(f"{robot.name}, {task}", entries, pinocchio_python.results(robot, task, inputs))
