@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from cutpoint.arrays import Array
+from cutpoint.scalars import Jet
 
 SMALL = 1e-6
 """A deflection, rad (m), at which the torque shows the spring's stiffness at rest."""
@@ -35,7 +36,7 @@ def wrong_in_spring(spring: Any) -> Iterator[str]:
         try:
             yield from _wrong_in_spring(spring)
             for method in ("torque", "deflection", "tangent", "energy"):
-                _check_takes_arrays(spring, method, np.array([SMALL, -SMALL]))
+                _check_takes_scalars(spring, method, np.array([SMALL, -SMALL]))
         except _UnfitError as unfit:
             yield str(unfit)
 
@@ -52,9 +53,9 @@ def wrong_in_friction(law: Any) -> Iterator[str]:
                 if getattr(law, "coefficients", ()):
                     yield from _not_linear(law, speed, torque)
             speeds, unloaded = np.array(SPEEDS), np.zeros(len(SPEEDS))
-            _check_takes_arrays(law, "share_of_load", speeds)
+            _check_takes_scalars(law, "share_of_load", speeds)
             for method in ("torque", "resistance"):
-                _check_takes_arrays(law, method, speeds, unloaded)
+                _check_takes_scalars(law, method, speeds, unloaded)
         except _UnfitError as unfit:
             yield str(unfit)
 
@@ -122,14 +123,16 @@ def _number(law: Any, method: str, *numbers: float) -> float:
     return float(y)
 
 
-def _check_takes_arrays(law: Any, method: str, *arrays: Array) -> None:
-    """Raises _UnfitError for an equation that fails with arrays: what it does there cannot be compiled either."""
-    try:
-        getattr(law, method)(*arrays)
-    except Exception as problem:
-        remedy = "write it with cutpoint's functions, and cutpoint.where(condition, yes, no) for an `if`"
-        told = f"{method} of several numbers at once fails, {_said(problem)}"
-        raise _UnfitError(f"{told}, so it cannot be compiled: {remedy}") from problem
+def _check_takes_scalars(law: Any, method: str, *arrays: Array) -> None:
+    """Raises _UnfitError for an equation that fails with arrays, or with numbers and their rates: it has an `if`, or
+    functions of `math` or NumPy, and cannot be compiled either."""
+    for of, given in (("several numbers at once", arrays), ("numbers with rates", [Jet(x, x) for x in arrays])):
+        try:
+            getattr(law, method)(*given)
+        except Exception as problem:
+            remedy = "use cutpoint's functions, and cutpoint.where(condition, yes, no) for an `if`"
+            told = f"{method} of {of} fails, {_said(problem)}"
+            raise _UnfitError(f"{told}, so it cannot be compiled: {remedy}") from problem
 
 
 def _said(problem: Exception) -> str:
