@@ -1,6 +1,7 @@
 """Equations with a robot's mass matrix, in machine code: columns of their right-hand sides in vector lanes."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -98,17 +99,22 @@ class Solver:
         element, (inputs, outputs) = self._element(), self._ports
         return fastcall(element, "solver", inputs, outputs, Front(self._batch))
 
-    def _batch(self, state: np.ndarray, *given: np.ndarray) -> list[np.ndarray]:
+    def _batch(self, state: np.ndarray, *given: np.ndarray) -> Sequence[np.ndarray]:
+        with self._spare.lent() as rows:
+            found = rows.whole((state, *given), None) if rows.whole else None
+            return self._any_batch(rows, state, *given) if found is None else found
+
+    def _any_batch(self, rows: ProgramRows, state: np.ndarray, *given: np.ndarray) -> list[np.ndarray]:
+        """The same of any number of axes."""
         shapes = [port.shape for port in self._ports[0]]
         pairs = zip((state, *given), shapes, strict=True)
         flat = [np.ascontiguousarray(x).reshape(-1, *shape) for x, shape in pairs]
         found = [np.empty((len(flat[0]), *port.shape)) for port in self._ports[1]]
-        with self._spare.lent() as rows:
-            rows(flat, found)
+        rows(flat, found)
         batch = state.shape[: state.ndim - len(shapes[0])]
         return [x.reshape(*batch, *x.shape[1:]) for x in found]
 
-    @property
+    @cached_property
     def _ports(self) -> tuple[list[Port], list[Port]]:
         state = Port(self.reads, self._equations.shape)
         matrices = [Port(f"X{k}", (self._n, width)) for k, width in enumerate(self._widths)]
