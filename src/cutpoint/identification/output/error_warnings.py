@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.identification.output.block_bootstrap import Ratio
 from cutpoint.identification.output.torque_errors import TorqueErrors, mean_known
@@ -59,9 +60,9 @@ MOST_OF_ERROR = 0.5
 def warnings_of(errors: TorqueErrors, units: Mapping[str, str]) -> list[str]:
     """On joints whose held-out torques carry no information, or are explained much worse than the fitted ones, or than
     by plain least squares.  units: of their torques, by joint."""
-    notes = [*_of_rest(errors, [*units]), *_of_events(errors, [*units])]
+    notes = [*_of_rest(errors, [*units]), *_of_events(errors, [*units]), *_of_still(errors, [*units])]
     for j, ((joint, unit), ratio) in enumerate(zip(units.items(), errors.to_plain(), strict=True)):
-        notes += [f"{joint}{note}" for note in _of_joint(errors, j, ratio, unit)]
+        notes += [f"{joint}: {note}" for note in _of_joint(errors, j, ratio, unit)]
     return notes
 
 
@@ -126,12 +127,24 @@ def _of_events(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
     fitted, held = errors.rms("after"), errors.rms("after", held_out=True)
     whole = float(np.ptp(errors.time[~errors.held_out]))
     is_event = (length < BRIEF * whole) & (fitted > LEAST_ERROR_SHARE * errors.size()) & (fitted > WORSE * held)
+    is_event &= ~_stand_still(errors)
     found = np.flatnonzero(is_event).tolist()
     if not found:
         return []
     which = ", ".join(f"{joints[j]} within {length[j]:.2g} s from {start[j]:.4g} s on" for j in found)
     cause = "a contact, or a clock that jumped: leave that time out, or end the log before it"
     return [f"half of the squared torque error on the fitted part occurs in a short time, as by {cause}: {which}"]
+
+
+def _of_still(errors: TorqueErrors, joints: Sequence[str]) -> list[str]:
+    """Joints that stand still on the part held out and not on the fitted one, in one sentence."""
+    found = np.flatnonzero(_stand_still(errors)).tolist()
+    words = "errors on the part held out prove nothing of joints that hardly move there"
+    return [f"{words}: {', '.join(joints[j] for j in found)}"] if found else []
+
+
+def _stand_still(errors: TorqueErrors) -> NDArray[np.bool_]:
+    return errors.speed(held_out=True) < STILL * errors.speed()
 
 
 def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str]:
@@ -145,9 +158,7 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
         what = f"the model misses its torque by {fitted:.3g} {unit} RMS, out of {size:.3g}"
         turned = "is the sign of the torque or of the position reversed?"
         asked = f"it opposes what the files predict: {turned}" if errors.likeness()[j, j] < TURNED else ""
-        notes.append(f": {what}: {asked or 'check its columns, signs and units'}")
-    if errors.speed(True)[j] < STILL * errors.speed()[j]:
-        notes.append(" hardly moves on the part held out: its error there proves nothing")
+        notes.append(f"{what}: {asked or 'check its columns, signs and units'}")
     if held > max(WORSE * fitted, least):
         times = f"{held / fitted:.1f} times that on the fitted part"
         bias, reason = float(errors.bias()[j]), "it moves differently there, or the machine changed"
@@ -155,15 +166,15 @@ def _of_joint(errors: TorqueErrors, j: int, ratio: Ratio, unit: str) -> list[str
             what = f"{abs(bias):.3g} {unit} {'more' if bias > 0.0 else 'less'}"
             reason = f"its torque there is {what} in the mean, by a payload, or an offset that drifts"
         rule = "intervals are for one machine that stays as it is, and do not include this"
-        notes.append(f": torque error on the part held out is {times}: {reason}; {rule}")
+        notes.append(f"torque error on the part held out is {times}: {reason}; {rule}")
     if ratio.is_more and held > least:
         times = f"{ratio.low:.2f} to {ratio.high:.2f} times that of plain least squares"
-        notes.append(f": torque error on the part held out is {times}: check signs and units, or record longer")
+        notes.append(f"torque error on the part held out is {times}: check signs and units, or record longer")
     drift = float(errors.drift()[j])
     if abs(drift) > max(DRIFTS * fitted, least):
         what = f"{abs(drift):.3g} {unit} {'more' if drift > 0.0 else 'less'}"
         remedy = "as if warming up: the result lies in between; record it warm, or for a shorter time"
-        notes.append(f": friction takes {what} at the end of the log than at its beginning, {remedy}")
+        notes.append(f"friction takes {what} at the end of the log than at its beginning, {remedy}")
     if fitted > MORE * before:
-        notes.append(": the identified model explains its torque worse than the files did")
+        notes.append("the identified model explains its torque worse than the files did")
     return notes
