@@ -301,14 +301,18 @@ def test_unknown_samples_do_not_count():
     assert found.values[0] == pytest.approx(12e3, rel=1e-3)
 
 
+def turning(time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A motor's angle, the torque that it bears, and its own."""
+    rate, phase = TURN * np.array([0.4, 1.1, 2.3]), np.random.default_rng(4).uniform(0.0, TURN, 3)
+    angle = time[:, None] * rate + phase
+    theta, speed, acceleration = ((0.3 * rate**k * np.sin(angle + k * np.pi / 2)).sum(axis=1) for k in range(3))
+    load = 12.0 * np.sin(theta) + 3.0 * np.sin(TURN * 0.7 * time)
+    return theta, load, 0.15 * acceleration + load + 2.0 * np.tanh(speed / 0.05) + 0.8 * speed
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_current_tells_the_torque_constant_beside_inertia_and_friction(sign: float):
-    rng = np.random.default_rng(4)
-    rate, phase = TURN * np.array([0.4, 1.1, 2.3]), rng.uniform(0.0, TURN, 3)
-    angle = T[:, None] * rate + phase
-    theta, speed, acceleration = ((0.3 * rate**k * np.sin(angle + k * np.pi / 2)).sum(axis=1) for k in range(3))
-    load = 12.0 * np.sin(theta) + 3.0 * np.sin(TURN * 0.7 * T)
-    torque = 0.15 * acceleration + load + 2.0 * np.tanh(speed / 0.05) + 0.8 * speed
+    theta, load, torque = turning(T)
     found = motor_side(theta, load, PERIOD, RATIO, current=sign * torque / (RATIO * 0.07), cutoff=30.0)
     assert found.torque_constant == pytest.approx(sign * 0.07, rel=2e-3)
     assert found.inertia == pytest.approx(0.15 / RATIO**2, rel=5e-3)
@@ -316,6 +320,15 @@ def test_a_current_tells_the_torque_constant_beside_inertia_and_friction(sign: f
     assert found.friction.coulomb == pytest.approx(2.0, rel=0.02)
     assert found.friction.viscous == pytest.approx(0.8, rel=0.05)
     assert abs(found["delay"]) < 0.1 * PERIOD
+
+
+@pytest.mark.parametrize(("kind", "worth"), [("torque", 1.0), ("current", 0.1), ("current", -0.1)])
+def test_noise_in_a_torque_or_current_does_not_shorten_its_delay(kind: str, worth: float):
+    (theta, load, _), (_, _, torque) = turning(T), turning(T + 1e-3)
+    noises = (np.random.default_rng(seed).normal(scale=2.0, size=T.size) for seed in range(8))
+    found = [motor_side(theta, load, PERIOD, RATIO, cutoff=30.0, **{kind: (torque + x) / worth}) for x in noises]
+    assert np.mean([each["delay"] for each in found]) == pytest.approx(1e-3, abs=0.15e-3)
+    assert all(abs(each["delay"] - 1e-3) < 2.0 * each.deviations["delay"] for each in found)
 
 
 def test_a_motor_that_does_not_accelerate_tells_no_inertia():

@@ -12,7 +12,7 @@ from cutpoint.identification.drives.deflections import TorqueReading
 from cutpoint.identification.drives.joint_channels import Channels
 from cutpoint.identification.drives.joint_torques import beyond_coulomb, smoothing_of, torque_left, transmitted_share
 from cutpoint.identification.drives.link_friction import LinkFriction, clocks_differ, friction_notes, link_friction
-from cutpoint.identification.drives.rotor import RotorEstimate
+from cutpoint.identification.drives.rotor import RotorEstimate, late
 from cutpoint.identification.drives.spring_estimate import SpringEstimate
 from cutpoint.identification.drives.stated_parts import as_wide, not_sought, with_spring
 from cutpoint.identification.drives.torque_delay import Delay
@@ -105,8 +105,9 @@ def _told_apart(
 
 
 def _delay(joint: Channels, ratio: float, spring: SpringEstimate, cutoff: float) -> Delay:
-    found = joint.rotor(ratio, spring, spring.torque(joint.theta, joint.q, ratio), cutoff, None)
-    return Delay(found["delay"], found.deviations["delay"])
+    aligned = replace(joint, effort=late(joint.effort, joint.period, joint.delay))
+    further = aligned.rotor(ratio, spring, spring.torque(joint.theta, joint.q, ratio), cutoff, None)
+    return Delay(joint.delay + further["delay"], further.deviations["delay"])
 
 
 def _beyond_play(joint: Channels, drive: Drive, resolution: float) -> tuple[Channels, bool]:

@@ -143,31 +143,43 @@ def motor_side(
     speed = derivative(low_pass(angle, period, min(WIDER * band, BELOW_HALF / period)), period)
     # the unknowns' columns, (N,)
     fixed = {"inertia": -derivative(angle, period, 2), "offset": np.ones_like(angle)}
-    if delay is None:
-        fixed["delay"] = -np.gradient(drive, period)
-    else:
+    if delay is not None:
         drive = late(drive, period, number("motor_side", "delay", delay, "s"))
-    borne, target = checked_numbers("motor_side", "transmission", transmission) * load, -drive
+    borne = checked_numbers("motor_side", "transmission", transmission) * load
     if current is None:
-        target = target + borne
+        known = borne
     else:  # the noise is the current's: all else is estimated over the gain, and the gain as its reciprocal
-        fixed["gain"] = -borne
-    passed = np.column_stack(low_pass_together([*fixed.values(), -speed, target], period, band))
+        known, fixed["gain"] = np.zeros_like(load), -borne
+    passed = np.column_stack(low_pass_together([*fixed.values(), -speed, known - drive], period, band))
     if np.isfinite(passed).all(axis=1).sum() < LEAST_SAMPLES:
         raise InputError(f"motor_side: a filter of {band:.3g} Hz leaves fewer than {LEAST_SAMPLES} samples")
-    return _estimate((*fixed,), passed, speed, period, band, ratio)
+    sign = _sign(passed, len(fixed) - 1) if "gain" in fixed else 1.0
+    passed[:, -1] *= sign  # a current of opposite sign
+    if delay is None:
+        passed = _with_delay(passed, low_pass(known, period, band), len(fixed), speed, period, band)
+    free = (*fixed, "delay") if delay is None else (*fixed,)
+    return _estimate(free, passed, sign, speed, period, band, ratio)
+
+
+def _with_delay(passed: Array, known: Array, free: int, speed: Array, period: float, band: float) -> Array:
+    """The columns with that of a delay behind the `free` ones: the rate of the torque that all others explain.
+
+    The rate of the recorded torque has its noise, which would make delays too small.  known: of the target, (N,).
+    """
+    smoothing = _best_smoothing(speed, passed, free, period, band)
+    _, weights, _ = _fit(smoothing, speed, passed, free, period, band)
+    explained = np.column_stack([passed[:, :-1], _dry(smoothing, speed, period, band)]) @ weights
+    return np.insert(passed, free, np.gradient(explained - known, period), axis=1)
 
 
 def _estimate(
-    free: tuple[str, ...], passed: Array, speed: Array, period: float, band: float, ratio: float
+    free: tuple[str, ...], passed: Array, sign: float, speed: Array, period: float, band: float, ratio: float
 ) -> RotorEstimate:
     """The unknowns that fit best.
 
     passed: columns (N, ...), filtered, of the unknowns of either sign, named `free`, then that of viscous friction, and
-    the target; with a gain, the target is the current.
+    the target; with a gain, the target is the current, times its sign.
     """
-    sign = _sign(passed, free.index("gain")) if "gain" in free else 1.0
-    passed[:, -1] *= sign  # a current of opposite sign
     smoothing = _best_smoothing(speed, passed, len(free), period, band)
     columns, weights, residual = _fit(smoothing, speed, passed, len(free), period, band)
     spread, scatter = covariance(columns, residual), float(np.sqrt(np.mean(residual**2)))
@@ -209,11 +221,15 @@ def _fit(
 
     passed: the columns without it, the first `free` of either sign, and the target last.
     """
-    dry = low_pass(-np.tanh(speed / smoothing), period, band)
-    columns = np.column_stack([passed[:, :-1], dry])
+    columns = np.column_stack([passed[:, :-1], _dry(smoothing, speed, period, band)])
     known = np.isfinite(columns).all(axis=1) & np.isfinite(passed[:, -1])
     weights = bounded_weights(columns[known], passed[known, -1], free)
     return columns[known], weights, passed[known, -1] - columns[known] @ weights
+
+
+def _dry(smoothing: float, speed: Array, period: float, band: float) -> Array:
+    """The column of dry friction."""
+    return np.asarray(low_pass(-np.tanh(speed / smoothing), period, band))
 
 
 def _best_smoothing(speed: Array, passed: Array, free: int, period: float, band: float) -> float:
