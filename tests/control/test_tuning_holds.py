@@ -10,7 +10,19 @@ import numpy as np
 import pytest
 from law_library import elbow, law
 
-from cutpoint import Coulomb, InputError, Log, Robot, Rotor, Sensors, SimulationError, robots, simulate
+from cutpoint import (
+    Coulomb,
+    Drive,
+    InputError,
+    LinearSpring,
+    Log,
+    Robot,
+    Rotor,
+    Sensors,
+    SimulationError,
+    robots,
+    simulate,
+)
 from cutpoint.control import (
     PD,
     PID,
@@ -34,7 +46,7 @@ from cutpoint.control import (
 from cutpoint.model import Limits, Motor
 from cutpoint.simulation import State
 from cutpoint.trajectories import cycloid
-from robot_library import Array
+from robot_library import Array, load
 
 PERIOD = 1e-3
 UPRIGHT = np.zeros(2)
@@ -316,3 +328,17 @@ def test_gains_that_hardly_hold_are_said_with_what_margins_finds():
     said = re.search(r"disturbances ([\d.]+) times", str(told[0].message))
     assert said and float(said[1]) == pytest.approx(found.sensitivity.max(), rel=0.05)
     assert found.gain.min() < 1.12
+
+
+def test_the_joint_said_to_swing_is_the_one_whose_loop_does_though_a_light_wrist_moves_farther():
+    arm, q = load("ur5_robot.urdf"), [0.1, -1.0, 1.2, -0.5, 0.7, 0.1]
+    sizes = [(1e-4, 3e4), (1e-4, 3e4), (1e-4, 2e4)] + [(2e-5, 6e3)] * 3
+    drives = [Drive(100.0, Rotor(rotor), LinearSpring(spring), damping=1.0) for rotor, spring in sizes]
+    arm = arm.with_drives(dict(zip(arm.joints, drives, strict=True)))
+    made, sensors = tune(arm, 6.0, q=q), Sensors(delay=4e-3, speeds="differenced")
+    with pytest.raises(InputError, match="'shoulder_lift_joint' would swing at"):
+        tune(arm, 6.0, q=q, sensors=sensors)
+    softened = [np.where(np.arange(6) == k, 0.5, 1.0) for k in range(6)]
+    poles = [slowest_pole(arm, PD(made.kp * x, made.kd * x), q, PERIOD, sensors=sensors) for x in softened]
+    growth = np.log([pole.size for pole in poles])
+    assert arm.joints[growth.argmin()] == "shoulder_lift_joint" and 2 * growth.min() < np.delete(growth, 1).min()

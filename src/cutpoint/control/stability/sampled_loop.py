@@ -36,7 +36,11 @@ MOST_REMEMBERED = 1500
 
 
 class SampledPole(NamedTuple):
-    """The sampled loop's largest pole: magnitude (below 1 decays), frequency in Hz, and the joint that moves most."""
+    """The sampled loop's largest pole: magnitude (below 1 decays), frequency in Hz, and the joint that swings.
+
+    joint: the one with the most kinetic energy, in which a light wrist that others shake, or metres beside radians, do
+    not count for more than they are.
+    """
 
     size: float
     frequency: float
@@ -48,9 +52,11 @@ class SampledLoop(NamedTuple):
 
     x: the linear robot's states, currents, delayed commands, and the memory of law and sensors.
     robot: the linear robot, whose states are the first.
+    inertia: (2 n, 2 n), of links and of elastic drives' rotors, for v and theta_dot; kg m2 (kg).
     """
 
     robot: "LinearModel"
+    inertia: Array
     alone: Array
     into: Array
     command: Array
@@ -98,13 +104,10 @@ def slowest_of(loop: SampledLoop, control_period: float) -> SampledPole:
     """See `slowest_pole`."""
     poles, shapes = np.linalg.eig(loop.closed)
     model, worst = loop.robot, int(np.abs(poles).argmax())
-    moves = np.abs(model.C @ shapes[: len(model.states), worst])
-    names = [name.partition(".")[2].partition("[")[0] for name in model.outputs]
-    speeds = [k for k, name in enumerate(model.outputs) if name.startswith(("v.", "theta_dot."))]
-    joint = names[max(speeds, key=lambda k: moves[k])]
-    return SampledPole(
-        float(abs(poles[worst])), float(abs(np.angle(poles[worst])) / (2 * np.pi * control_period)), joint
-    )
+    speeds = (model.C @ shapes[: len(model.states), worst]).reshape(4, -1)[1::2].ravel()
+    energies = (speeds.conj() * (loop.inertia @ speeds)).real.reshape(2, -1).sum(axis=0)
+    frequency = float(abs(np.angle(poles[worst])) / (2 * np.pi * control_period))
+    return SampledPole(float(abs(poles[worst])), frequency, model.joints[int(energies.argmax())])
 
 
 def sampled_loop(
@@ -135,7 +138,15 @@ def sampled_loop(
         encoded.into_memory @ sample + encoded.kept @ line,
     ]
     into = [plant.now, np.eye(sizes[1]), np.zeros((sizes[2], sizes[1])), np.zeros((sizes[3], sizes[1]))]
-    return SampledLoop(model, np.vstack(alone), np.vstack(into), answer.at_once @ seen + answer.from_memory @ memory)
+    command = answer.at_once @ seen + answer.from_memory @ memory
+    return SampledLoop(model, _inertia(robot, q), np.vstack(alone), np.vstack(into), command)
+
+
+def _inertia(robot: Robot, q: Array) -> Array:
+    """See `SampledLoop`."""
+    rotors = [d.reflected_inertia if d.is_elastic else 0.0 for d in robot.drives.values()]
+    none = np.zeros((len(rotors),) * 2)
+    return np.block([[robot.mass_matrix(q), none], [none, np.diag(rotors)]])
 
 
 def check_delays(function: str, robot: Robot, period: float) -> None:

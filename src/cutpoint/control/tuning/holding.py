@@ -116,7 +116,7 @@ def _warn_if_fragile(robot: Robot, law: Any, peaks: Array) -> None:
 
 
 def _other_remedies(robot: Robot, law: Any, q: Array, joint: str) -> list[str]:
-    """What may help besides another bandwidth or period; joint: the one that moves most."""
+    """What may help besides another bandwidth or period; joint: the one that swings."""
     is_undamped = any(drive.is_elastic and not drive.damping for drive in robot.drives.values())
     changes = [f"make {name}= {change}" for name, change in CHANGES.items() if np.any(getattr(law, name, 0.0))]
     return [*["give the springs damping"] * is_undamped, *changes, *_light_rotor(robot, q, joint)]
