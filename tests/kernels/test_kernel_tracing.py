@@ -94,6 +94,8 @@ def test_arrays_of_traced_numbers_are_compared_as_objects() -> None:
         return [where(c, 1.0, 0.0) for c in np.greater(np.array(q), np.ones(2), dtype=object)]
 
     assert compile(above, q=2)([0.0, 2.0]).tolist() == [0.0, 1.0]
+    beyond = compile(lambda q, bound: where(np.less(bound, q, dtype=object), q - bound, 0 * q), q=2, bound=())
+    assert beyond([0.0, 2.0], 0.5).tolist() == [0.0, 1.5]
     with pytest.raises(TraceError, match=r"all take arrays, which are compared by np\.less"):
         graph_of(lambda q: [*(np.array(q) < np.ones(2))], q=2)
 

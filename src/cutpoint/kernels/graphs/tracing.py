@@ -154,6 +154,7 @@ class Traced(Refusals, Node):
 
     def __array_ufunc__(self, ufunc: Any, method: str, *arguments: Any, **options: Any) -> Any:
         """Arithmetic with NumPy's floats, and elementwise with arrays; functions are refused."""
+        options = {} if options == {"dtype": object} else options  # it is what is done anyway
         if ufunc.__name__ not in _OPERATORS or method != "__call__" or options:
             refuse_numpy(ufunc.__name__)
         if any(isinstance(x, np.ndarray) for x in arguments):
