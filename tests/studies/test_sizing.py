@@ -248,6 +248,11 @@ def test_every_margin_is_what_is_allowed_by_what_is_asked():
         "average speed": 366.5 / 160, "maximum speed": 890.1 / 160, "motor torque": 4.0, "joint speed": 2.5,
         "joint travel": 2.5 / 1.5, "life": 7 * (7.8 / 6) ** 3 * (209.4 / 160),
     }  # fmt: skip
+    assert all(
+        abs(margin.at.value) == margin.demanded
+        for margin in found.drives["spin"].margins
+        if margin.at and margin.limit != "joint travel"
+    )
     assert found.holds and found.tightest[0] == "spin" and found.tightest[1].limit == "joint travel"
     assert found.drives["spin"].verdict == "holds" and found.drives["spin"].missing == ()
 

@@ -1,7 +1,7 @@
 """Limits against demands: a margin for every stated limit, a name for every one that is not stated."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,11 @@ OPEN = np.pi
 
 @dataclass(frozen=True)
 class Margin:
-    """A limit and what is asked of it, in `unit`; at: the worst instant, None for what is reckoned over the cycle."""
+    """A limit and what is asked of it, in `unit`.
+
+    at: the worst instant, None for what is reckoned over the cycle; its value has the same unit, at the same side, and
+    is a position where demanded is the distance from the middle of a joint's travel.
+    """
 
     limit: str
     unit: str
@@ -63,7 +67,7 @@ def margins_of(
         ("maximum speed", "rad/s", ratings.maximum_speed, demand.motor_speed),
     ]
     found = [_margin(name, unit, allowed, asked) for name, unit, allowed, asked in rated if allowed is not None]
-    found += [*_of_limits(limits, demand, abs(drive.ratio), travel, slides), *_of_motor(drive.motor, demand)]
+    found += [*_of_limits(limits, demand, drive.ratio, travel, slides), *_of_motor(drive.motor, demand)]
     missing = [name for name, _, allowed, _ in rated if allowed is None]
     if demand.current_rms is not None:
         if ratings.continuous_current is None:
@@ -92,7 +96,8 @@ def _of_limits(
 ) -> Iterator[Margin]:
     if np.isfinite(limits.effort):
         at = demand.motor_torque
-        yield Margin("motor torque", joint_unit("N m", slides), limits.effort, abs(at.value) * ratio, at)
+        at_joint = replace(at, value=at.value * ratio)
+        yield _margin("motor torque", joint_unit("N m", slides), limits.effort, at_joint)
     if np.isfinite(limits.velocity):
         yield _margin("joint speed", joint_unit("rad/s", slides), limits.velocity, demand.joint_speed)
     middle, half = travel
