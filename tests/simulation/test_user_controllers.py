@@ -123,6 +123,22 @@ def test_arrays_of_floats_that_traced_numbers_are_written_into_are_named(step, r
         simulate(robot("xia2019"), law, duration=2e-3)
 
 
+@pytest.mark.parametrize("reports", [True, False])
+def test_a_law_may_report_faults_of_its_own(reports: bool):
+    class Watchful:
+        reports_faults = reports
+
+        def step(self, memory: Any, m: Any, r: Any) -> Any:
+            return memory, Command(
+                500.0 * (r.theta - m.theta) - 20.0 * m.theta_dot, fault=cutpoint.where(m.time > 0.0105, 4.0, 0.0)
+            )
+
+    log = run(Watchful())
+    assert ("fault" in log.channels) == reports
+    if reports:
+        assert np.array_equal(log["fault"], np.where(log.time > 0.0105, 4.0, 0.0))
+
+
 def test_a_law_may_make_the_motors_reference_that_the_others_track():
     def ahead(memory: Any, m: Any, r: Any) -> Any:
         return memory, Command(np.zeros(6), 0, r.q + 0.01, r.v)
