@@ -225,6 +225,7 @@ SHAPE = '<asset><mesh name="rock" file="/etc/passwd"/></asset>'
 
 LOST = {
     "nothing": (one_body('<site name="s"/><camera/><light/>', "<sensor/><visual/>"), ()),
+    "sections without elements": (one_body("", "<actuator/><contact/><equality/><extension/><tendon/>"), ()),
     "actuators": (
         one_body("", '<actuator><motor joint="elbow"/><motor joint="elbow"/></actuator>'),
         ("<actuator> (2)",),

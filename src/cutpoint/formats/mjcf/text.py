@@ -60,6 +60,9 @@ WITHOUT_EFFECT = {
 }
 """Elements without effect on the motion of bodies and joints."""
 
+SECTIONS = {"actuator", "contact", "deformable", "equality", "extension", "tendon"}
+"""Elements that only hold others, of those that are left out."""
+
 OTHER_TEXT = ("attach", "composite", "flexcomp", "replicate")
 
 
@@ -175,12 +178,12 @@ def _refuse_misspelled(child: Element, parent: Element, place: str) -> None:
 
 
 def _count(child: Element, parent: Element, left_out: Counter[str], armoured: Collection[str]) -> None:
-    """Of a section with elements, these; what has no effect, and defaults of what is left out, do not count.
+    """Of a section, its elements; what has no effect, and defaults of what is left out, do not count.
 
     armoured: sections whose elements may have armature from a default, and count as if they had.
     """
     if child.tag not in WITHOUT_EFFECT and parent.tag not in ("default", "asset"):
-        left_out[child.tag] += max(len(child.children), 1)
+        left_out[child.tag] += len(child.children) if child.tag in SECTIONS else max(len(child.children), 1)
         with_armature = [x for x in child.children if child.tag in armoured or _has_armature(x)]
         left_out[f"{child.tag} armature, in the mass matrix"] += len(with_armature)
 
