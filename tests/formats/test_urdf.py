@@ -143,6 +143,14 @@ def test_loops_and_forces_beside_the_tree_are_not_lost_in_silence() -> None:
         parse_urdf(text)
 
 
+def test_friction_by_its_name_in_early_urdf_is_not_lost_in_silence() -> None:
+    early = '<joint_properties damping="{}" friction="0.0"/>'
+    text = robot(link("base"), link("arm"), joint("elbow", "base", "arm", "revolute", early))
+    with pytest.warns(NotCarriedOver, match="<joint_properties> of joints 'elbow': state it in <dynamics>"):
+        parse_urdf(text.format("0.7"))
+    parse_urdf(text.format("0.0"))
+
+
 def test_a_mimic_of_a_joint_that_is_fixed_is_free_or_an_error() -> None:
     fixed = gripper().replace('name="left" type="revolute"', 'name="left" type="fixed"')
     with pytest.warns(MimicWarning, match="mimic joints 'right' .* but the file has no movable leader for 'right'"):

@@ -1,8 +1,8 @@
 """URDF and xacro files to a `Mechanism`.
 
 Read: links' inertials; joints' origins, axes, limits, dynamics and mimics.  Everything else (visuals, collisions,
-transmissions, extensions) is ignored, with a warning what would change the dynamics: rotor inertias, and closed loops
-and forces that Drake or Gazebo would read; meshes are never opened.
+transmissions, extensions) is ignored, with a warning what would change the dynamics: rotor inertias, closed loops and
+forces that Drake or Gazebo would read, and friction by its name in early URDF; meshes are never opened.
 """
 
 from collections import Counter
@@ -75,8 +75,8 @@ def load_urdf(
     mimic: whether mimic joints are coordinates of their own (then a `MimicWarning` names them) or follow their leader.
     mend_inertia: increase physically impossible inertias until they are possible, with a warning.
     xacro: arguments of a .xacro file, by name.
-    Warns, DegreesWarning, of limits and locks that look like degrees; NotCarriedOver, of rotor inertias and of closed
-    loops and forces beside the tree, which are left out.
+    Warns, DegreesWarning, of limits and locks that look like degrees; NotCarriedOver, of rotor inertias, of closed
+    loops and forces beside the tree, and of friction in <joint_properties>, which are left out.
     Raises ModelError, with file and line, for whatever is wrong in the file, for gravity, and for what cannot be
     locked; InputError for other arguments.
     """
@@ -132,7 +132,7 @@ def parse_urdf(
     moving = {body.joint.name for body in mechanism.bodies}
     names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
-    if lost := [*_lost_beside_the_tree(robot), *_lost_rotors(robot, moving)]:
+    if lost := [*_lost_beside_the_tree(robot), *_lost_rotors(robot, moving), *_lost_friction(robot, moving)]:
         warn(NotCarriedOver(lost, place))
     return mechanism
 
@@ -158,6 +158,17 @@ def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
             found += [_name(joint) for joint in transmission.all("joint")]
     lost = [name for name in dict.fromkeys(found) if name in moving]
     return [f"rotor inertia of joints {listed(lost)}: rotor and ratio in a drive file count instead"] if lost else []
+
+
+def _lost_friction(robot: Element, moving: Collection[str]) -> list[str]:
+    """Moving joints with the element that early URDF had for <dynamics>, and that programs since then pass over."""
+    lost = [
+        name
+        for joint in robot.all("joint")
+        for old in joint.all("joint_properties")
+        if (name := _name(joint)) in moving and (_is_stated(old, "damping") or _is_stated(old, "friction"))
+    ]
+    return [f"<joint_properties> of joints {listed(lost)}: state it in <dynamics>"] if lost else []
 
 
 def _is_stated(element: Element, attribute: str) -> bool:
