@@ -90,7 +90,11 @@ REFUSED = {
         {"forearm": "<robot/>"},
         "<include> 'forearm.xml' is of another format: its root must be <mujocoinclude>, got <robot> ({0}/arm.xml:3)",
     ),
-    "no XML": ({"forearm": "\n<mujoco"}, "XML is not well formed: unclosed token ({0}/forearm.xml:2)"),
+    "no XML": (
+        {"forearm": "\n<mujoco"},
+        "XML is not well formed: unclosed token, at column 1: the file ends, maybe cut off, before the tag or comment"
+        " that begins here is closed ({0}/forearm.xml:2)",
+    ),
     "entities": (
         {"forearm": '<!DOCTYPE m [<!ENTITY a "b">]><mujoco>&a;</mujoco>'},
         "XML with a document type (<!DOCTYPE>) is not read, for safety; remove it ({0}/forearm.xml:1)",

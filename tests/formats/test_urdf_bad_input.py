@@ -90,10 +90,16 @@ JOINTS = {
         "joint 'elbow': <axis> xyz '0 $(optenv Y 1) 0' must be three finite numbers; it is for xacro to compute: give"
         " the file the ending .xacro",
     ),
+    "decimal comma": (
+        '<axis xyz="0 0,5 1"/>',
+        "joint 'elbow': <axis> xyz '0 0,5 1' must be three finite numbers; use no commas: decimals have a point, and"
+        " blanks separate numbers",
+    ),
     "short axis": ('<axis xyz="0 1"/>', "joint 'elbow': <axis> xyz '0 1' must be three finite numbers"),
     "swapped limits": (
         '<limit lower="1" upper="-1"/>',
-        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad; leave both out for no limit",
+        "joint 'elbow': lower limit 1.0 must not exceed upper limit -1.0 rad; exchange them, or leave both out for no"
+        " limit",
     ),
     "nan limit": ('<limit upper="nan"/>', "joint 'elbow': <limit> upper 'nan' must be a number, inf or -inf"),
     "empty limit": ('<limit velocity=" "/>', "joint 'elbow': <limit> has nothing in the attribute 'velocity'"),
@@ -186,7 +192,22 @@ DOCUMENTS = {
     "bytes that are no UTF-8": (
         b"<robot>\xff</robot>",
         "XML is not well formed: not well-formed (invalid token), at column 8: write & as &amp; and < as &lt;, use no"
-        " -- in comments, and save the file as UTF-8 (arm.urdf:1)",
+        " -- in comments and no control characters, and save the file as UTF-8 (arm.urdf:1)",
+    ),
+    "an encoding that is not read": (
+        '<?xml version="1.0" encoding="gb2312"?><robot name="机械臂"/>'.encode("gb2312"),
+        "XML cannot be decoded: multi-byte encodings are not supported; save the file as UTF-8, and declare no other"
+        " encoding (arm.urdf)",
+    ),
+    "a file cut off": (
+        "<robot>\n<link name='base'/>\n",
+        "XML is not well formed: no element found, at column 1: the file ends, maybe cut off, before its root element"
+        " is closed (arm.urdf:3)",
+    ),
+    "a comment cut off": (
+        "<robot>\n<!-- </robot>",
+        "XML is not well formed: unclosed token, at column 1: the file ends, maybe cut off, before the tag or comment"
+        " that begins here is closed (arm.urdf:2)",
     ),
     "a declaration that is not first": (
         '\n<?xml version="1.0"?>\n<robot/>',

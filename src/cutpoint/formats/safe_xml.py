@@ -13,8 +13,10 @@ from xml.parsers.expat.errors import (
     XML_ERROR_INVALID_TOKEN,
     XML_ERROR_JUNK_AFTER_DOC_ELEMENT,
     XML_ERROR_MISPLACED_XML_PI,
+    XML_ERROR_NO_ELEMENTS,
     XML_ERROR_TAG_MISMATCH,
     XML_ERROR_UNBOUND_PREFIX,
+    XML_ERROR_UNCLOSED_TOKEN,
     XML_ERROR_UNDEFINED_ENTITY,
     XML_ERROR_XML_DECL,
 )
@@ -70,8 +72,12 @@ class Element:
 REMEDIES = {
     XML_ERROR_MISPLACED_XML_PI: "remove everything before <?xml ...?>, even blank lines and comments",
     XML_ERROR_UNBOUND_PREFIX: 'declare the prefix in the root element, xmlns:prefix="...", or remove it',
-    XML_ERROR_INVALID_TOKEN: "write & as &amp; and < as &lt;, use no -- in comments, and save the file as UTF-8",
+    XML_ERROR_INVALID_TOKEN: (
+        "write & as &amp; and < as &lt;, use no -- in comments and no control characters, and save the file as UTF-8"
+    ),
     XML_ERROR_TAG_MISMATCH: "close each element before its parent",
+    XML_ERROR_NO_ELEMENTS: "the file ends, maybe cut off, before its root element is closed",
+    XML_ERROR_UNCLOSED_TOKEN: "the file ends, maybe cut off, before the tag or comment that begins here is closed",
     XML_ERROR_XML_DECL: 'write <?xml version="1.0"?>',
     XML_ERROR_UNDEFINED_ENTITY: "write the character itself",
     XML_ERROR_DUPLICATE_ATTRIBUTE: "give it once",
@@ -151,4 +157,5 @@ def parse_xml(content: bytes | str, place: str, *, file: str = "", at: int = 0) 
     except (ValueError, LookupError) as problem:
         if isinstance(problem, ModelError):
             raise
-        raise ModelError(f"XML cannot be decoded: {problem}", place=place) from problem
+        remedy = "save the file as UTF-8, and declare no other encoding"
+        raise ModelError(f"XML cannot be decoded: {problem}; {remedy}", place=place) from problem

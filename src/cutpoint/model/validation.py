@@ -123,7 +123,7 @@ def check_limits(thing: str, limits: Limits, unit: Mapping[str, str], places: Pl
             raise places.error(thing, f"limit {what} must be a number, got nan", limits=limits)
     if limits.lower > limits.upper:
         found = f"lower limit {limits.lower!r} must not exceed upper limit {limits.upper!r} {unit['position']}"
-        complaint = f"{found}; leave both out for no limit"
+        complaint = f"{found}; exchange them, or leave both out for no limit"
         raise places.error(thing, complaint, limits=limits)
     for what in ("velocity", "effort"):
         bound = getattr(limits, what)

@@ -97,5 +97,9 @@ class Reader:
         return np.array([[*row] for row in rotation_of([x / largest for x in quaternion])], dtype=np.float64)
 
     def _not_numbers(self, attribute: str, text: str, rule: str) -> ModelError:
-        expanded = "; it is for xacro to compute: give the file the ending .xacro" if "$" in text else ""
-        return self.error(f"<{self.element.tag}> {attribute} {text[:200]!r} must be {rule}{expanded}")
+        remedy = ""
+        if "$" in text:
+            remedy = "; it is for xacro to compute: give the file the ending .xacro"
+        elif "," in text:
+            remedy = "; use no commas: decimals have a point, and blanks separate numbers"
+        return self.error(f"<{self.element.tag}> {attribute} {text[:200]!r} must be {rule}{remedy}")
