@@ -244,6 +244,10 @@ LOST = {
     ),
     "fluid": (one_body("", '<option density="1.2" viscosity="1e-5"/>'), ("fluid forces",)),
     "gravcomp": (one_body("", attributes='gravcomp="1"'), ("gravcomp of bodies 'arm'",)),
+    "reversed range": (
+        one_body("", '<default><joint range="90 -90"/></default>'),
+        ("reversed range, which MuJoCo takes for none, of joints 'elbow'",),
+    ),
     "springs": (one_body("", '<default><joint stiffness="3"/></default>'), ("springs of joints 'elbow'",)),
     "of balls": (
         one_body(

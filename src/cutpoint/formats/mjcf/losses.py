@@ -25,7 +25,7 @@ def losses(model: Any, left_out: Counter[str]) -> list[str]:
 
 
 def _of_joints(model: Any) -> list[str]:
-    """Springs, nonlinear laws, and numbers of joints that no drive can move or limit."""
+    """Springs, nonlinear laws, reversed ranges, and numbers of joints that no drive can move or limit."""
     undriven = np.isin(model.jnt_type, (FREE, BALL))
     by_dof = undriven[model.dof_jntid]
     lost = {
@@ -35,11 +35,17 @@ def _of_joints(model: Any) -> list[str]:
         "frictionloss": _joints_of(model, by_dof & (model.dof_frictionloss != 0.0)),
         "armature, in the mass matrix,": _joints_of(model, by_dof & (model.dof_armature != 0.0)),
         "range": undriven & (model.jnt_limited != 0),
+        "reversed range, which MuJoCo takes for none,": _reversed_ranges(model),
         "asymmetric actuatorfrcrange (the smaller side counts, 0 as none)": _uneven_efforts(model),
     }
     names = names_of(model, "joint")
     named = {what: [names[j] for j in np.flatnonzero(which)] for what, which in lost.items()}
     return [f"{what} of joints {listed(joints)}" for what, joints in named.items() if joints]
+
+
+def _reversed_ranges(model: Any) -> Any:
+    """Joints without limits whose range runs downward: to MuJoCo it does not say that there are any."""
+    return (model.jnt_limited == 0) & (model.jnt_range[:, 0] > model.jnt_range[:, 1])
 
 
 def _uneven_efforts(model: Any) -> Any:
