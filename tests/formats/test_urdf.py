@@ -348,6 +348,20 @@ def test_without_the_xacro_package_the_error_says_how_to_get_it(
         load_urdf(path)
 
 
+@pytest.mark.parametrize("tag", ["include", "macro", "property"])
+def test_xacro_elements_without_its_prefix_do_not_leave_a_smaller_robot(tmp_path: Path, tag: str) -> None:
+    text = f'<robot name="r" {XACRO}>{link("base")}\n<{tag} name="p" filename="parts.xacro"/></robot>'
+    told = f"^<{tag}> lacks the prefix of xacro, which therefore passes it over; write <xacro:{tag}>, in a file with"
+    with pytest.raises(ModelError, match=rf"{told} the ending \.xacro, or remove it \(arm\.urdf:2\)"):
+        parse_urdf(text, "arm.urdf")
+    (path := tmp_path / "parts.xacro").write_text(text)
+    with pytest.raises(ModelError, match=rf"{told} .* \({re.escape(str(path))}:2\)"):
+        load_urdf(path)
+    (path := tmp_path / "arm.xacro").write_text(including("parts.xacro"))
+    with pytest.raises(ModelError, match=rf"{told} .* \({re.escape(str(path))}, expanded:\d+\)"):
+        load_urdf(path)
+
+
 def test_xacro_elements_in_a_urdf_are_pointed_out() -> None:
     text = f'<robot {XACRO}>\n<xacro:macro name="m"/></robot>'
     remedy = r"give the file the ending \.xacro, or remove the element if the file is already expanded"

@@ -14,6 +14,11 @@ from cutpoint.model.pose import pose, roll_pitch_yaw
 from cutpoint.model.validation import DEGREES_BEYOND
 
 
+def name_of(element: Element) -> str:
+    """The name of a link or a joint, without surrounding blanks; empty if it has none."""
+    return element.attributes.get("name", "").strip()
+
+
 @dataclass(frozen=True)
 class Reader:
     """One element on behalf of the link or joint it belongs to (`thing`)."""

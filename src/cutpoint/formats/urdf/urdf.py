@@ -5,7 +5,6 @@ transmissions, extensions) is ignored, with a warning what would change the dyna
 forces that Drake or Gazebo would read, and friction by its name in early URDF; meshes are never opened.
 """
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from types import NoneType
@@ -22,7 +21,8 @@ from cutpoint.formats.not_carried_over import NotCarriedOver
 from cutpoint.formats.reading import parse_number, read_bytes
 from cutpoint.formats.safe_xml import MAXIMUM_BYTES, Element, parse_xml
 from cutpoint.formats.slips import meant
-from cutpoint.formats.urdf.elements import Reader
+from cutpoint.formats.urdf.elements import Reader, name_of
+from cutpoint.formats.urdf.losses import losses
 from cutpoint.formats.urdf.xacro_expansion import expand
 from cutpoint.model.build import build
 from cutpoint.model.mechanism import STANDARD_GRAVITY, Joint, JointKind, Limits, Link, Mechanism, Mimic
@@ -46,8 +46,8 @@ ATTRIBUTES = {
 }
 """Those of which some may be missing."""
 
-OF_DRAKE = ("loop_joint", "force_element", "ball_constraint", "linear_bushing_rpy", "linear_spring_damper")
-"""Elements beside the tree that constrain or push its bodies."""
+OF_XACRO = ("include", "macro", "property")
+"""Elements that xacro once took without its prefix, and now passes over, with all that they would bring."""
 
 X_AXIS = (1.0, 0.0, 0.0)
 """Default axis of a joint."""
@@ -84,7 +84,7 @@ def load_urdf(
     content = read_bytes(path, MAXIMUM_BYTES)
     place = str(path)
     if path.suffix.lower() == ".xacro":
-        parse_xml(content, place)
+        _check_prefixes(parse_xml(content, place), place)
         content, place = expand(path, xacro or {}), f"{path}, expanded"
     elif xacro:
         raise InputError(f"arguments {listed(xacro)} are for .xacro files, got {place!r}: leave them out", path=path)
@@ -132,47 +132,9 @@ def parse_urdf(
     moving = {body.joint.name for body in mechanism.bodies}
     names = {joint.name for joint in joints if joint.kind != "fixed"}
     _warn([joint for joint in joints if joint.name in moving], names, mechanism.coupled, place)
-    if lost := [*_lost_beside_the_tree(robot), *_lost_rotors(robot, moving), *_lost_friction(robot, moving)]:
+    if lost := losses(robot, moving):
         warn(NotCarriedOver(lost, place))
     return mechanism
-
-
-def _lost_beside_the_tree(robot: Element) -> list[str]:
-    """What would constrain or push its bodies in Drake, and joints of Gazebo's own, which close loops."""
-    found = Counter(child.tag.rpartition("}")[2] for child in robot.children)
-    closing = sum(1 for extension in robot.all("gazebo") for _ in extension.all("joint"))
-    lost = [f"<{tag}> ({found[tag]})" for tag in OF_DRAKE if found[tag]]
-    return lost + ([f"<joint> in <gazebo> ({closing})"] if closing else [])
-
-
-def _lost_rotors(robot: Element, moving: Collection[str]) -> list[str]:
-    """Moving joints whose rotors count in other programs: by armature, or by a transmission's rotor inertia."""
-    found = [
-        _name(joint)
-        for joint in robot.all("joint")
-        for dynamics in joint.all("dynamics")
-        if _is_stated(dynamics, "armature")
-    ]
-    for transmission in robot.all("transmission"):
-        if any(x.tag.endswith("rotor_inertia") and _is_stated(x, "value") for x in transmission.walk()):
-            found += [_name(joint) for joint in transmission.all("joint")]
-    lost = [name for name in dict.fromkeys(found) if name in moving]
-    return [f"rotor inertia of joints {listed(lost)}: rotor and ratio in a drive file count instead"] if lost else []
-
-
-def _lost_friction(robot: Element, moving: Collection[str]) -> list[str]:
-    """Moving joints with the element that early URDF had for <dynamics>, and that programs since then pass over."""
-    lost = [
-        name
-        for joint in robot.all("joint")
-        for old in joint.all("joint_properties")
-        if (name := _name(joint)) in moving and (_is_stated(old, "damping") or _is_stated(old, "friction"))
-    ]
-    return [f"<joint_properties> of joints {listed(lost)}: state it in <dynamics>"] if lost else []
-
-
-def _is_stated(element: Element, attribute: str) -> bool:
-    return (parse_number(element.attributes.get(attribute, "").strip()) or 0.0) != 0.0
 
 
 def _check_is_urdf(robot: Element, place: str) -> None:
@@ -180,6 +142,7 @@ def _check_is_urdf(robot: Element, place: str) -> None:
     if robot.tag != "robot":
         other = {"mujoco": " (an MJCF file)", "sdf": " (an SDF file)"}.get(robot.tag, "")
         raise ModelError(f"the root element of a URDF is <robot>, got <{robot.tag}>{other}", place=at)
+    _check_prefixes(robot, place)
     for child in robot.children:
         if "xacro" in child.tag:
             own = f"<xacro:{child.tag.rpartition('}')[2]}> is an element of xacro"
@@ -188,6 +151,15 @@ def _check_is_urdf(robot: Element, place: str) -> None:
         dialect, _, tag = child.tag.removeprefix("{").rpartition("}")
         if dialect and tag in ("link", "joint"):
             told = f"<{tag}> of the dialect {dialect!r} is not read, and the tree lacks it: state it in plain URDF"
+            raise ModelError(told, place=f"{place}:{child.line}", tag=child.tag)
+
+
+def _check_prefixes(robot: Element, place: str) -> None:
+    """Raises ModelError for elements of xacro without its prefix: the robot would lack what they bring."""
+    for child in robot.children:
+        if child.tag in OF_XACRO:
+            remedy = f"write <xacro:{child.tag}>, in a file with the ending .xacro, or remove it"
+            told = f"<{child.tag}> lacks the prefix of xacro, which therefore passes it over; {remedy}"
             raise ModelError(told, place=f"{place}:{child.line}", tag=child.tag)
 
 
@@ -220,11 +192,7 @@ def _check_quaternions(robot: Element, place: str) -> None:
 
 def _label(element: Element) -> str:
     """The name of a link or a joint in messages."""
-    return f"{element.tag} {_name(element)!r}"
-
-
-def _name(element: Element) -> str:
-    return element.attributes.get("name", "").strip()
+    return f"{element.tag} {name_of(element)!r}"
 
 
 def _link(element: Element, file: str) -> Link:
