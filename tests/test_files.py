@@ -97,7 +97,7 @@ def test_a_null_byte_and_a_link_to_itself_are_told(tmp_path: Path):
     null, link = tmp_path / "a\0b", tmp_path / "link"
     link.symlink_to(link)
     for check, path in ((check_target_file, null), (check_target_folder, null), (check_target_folder, null / "new")):
-        with pytest.raises(InputError, match=r"--output '.*a\\x00b\S*' cannot be written \(embedded null byte\)"):
+        with pytest.raises(InputError, match=r"--output '.*a\\x00b\S*' cannot be written \([^)]*embedded null"):
             check(path, "--output")
     with pytest.raises(InputError, match=r"--output '\S+/link' cannot be written \(Too many levels"):
         check_target_folder(link, "--output")
