@@ -136,8 +136,7 @@ def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cu
     assert "in   jerk: 6, rad/s3 (m/s3): joint1, joint2, joint3, joint4, joint5, joint6" in header
     assert "out  motor_torque: 6, N m (N): joint1" in header and "/* joint3 compliance stiffness: 10000 */" in header
     numbers = re.findall(r"^  (\S+), /\*", header, re.MULTILINE)
-    plain = [x.replace("(double)", "").strip("()").lower() for x in numbers]
-    values = [float(x) if "inf" in x else float.fromhex(x) for x in plain]
+    values = [float.fromhex(x.replace("HUGE_VAL", "inf").strip("()")) for x in numbers]
     assert values == arm.drive_parameters.tolist()
 
 
@@ -382,6 +381,21 @@ def test_a_header_with_tables_suits_every_cpp(
     done = compiled_cpp(tmp_path, compiler, f"-std={standard} -Wno-unused-const-variable use.cpp -o use")
     assert done.returncode == 0, done.stderr
     assert run(tmp_path, "use")[0] == 0
+
+
+@each_cpp
+@pytest.mark.parametrize("precision", ["float64", "float32"])
+def test_infinite_limits_in_a_table_are_no_casts_which_cpp_warns_of(
+    arm: cutpoint.Robot, tmp_path: Path, precision: str, compiler: str
+) -> None:
+    export_function(arm, "elastic_inverse_dynamics", tmp_path, name="f", precision=precision)
+    (tmp_path / "use.cpp").write_text(
+        '#include "f.hpp"\nint main() { int k = 0; for (auto x : f_parameters) k += x - x != 0; return k; }\n'
+    )
+    casts = "-Wold-style-cast -Wdouble-promotion" + " -Wuseless-cast" * (Path(compiler).name == "g++")
+    done = compiled_cpp(tmp_path, compiler, f"-std=c++17 {casts} use.cpp -o use")
+    assert done.returncode == 0, done.stderr
+    assert run(tmp_path, "use")[0] == np.isinf(arm.drive_parameters).sum() > 0
 
 
 def test_a_package_within_a_project_has_the_name_of_an_installed_one(arm: cutpoint.Robot, tmp_path: Path) -> None:

@@ -102,8 +102,10 @@ def number(x: float, precision: Precision) -> str:
     x = precision.rounded(x)
     if math.isfinite(x):
         text = f"{abs(x).hex()}{precision.suffix}"
-    else:  # C's macros are floats
-        text = f"({precision.c}){'NAN' if math.isnan(x) else 'INFINITY'}"
+    elif math.isinf(x):  # headers hold them too, and there C++ may be told to warn of casts
+        text = f"HUGE_VAL{precision.suffix.upper()}"
+    else:  # a float; there is no other macro
+        text = "NAN" if precision.suffix else f"({precision.c})NAN"
     return f"(-{text})" if math.copysign(1, x) < 0 and not math.isnan(x) else text
 
 
