@@ -244,7 +244,7 @@ OF_THE_LIBRARY = [
     "sin", "sinf", "fmal", "main", "memcpy", "y0", "exp", "log", "pow", "hypot", "round", "floor", "copysign", "gamma",
     "div", "abs", "system", "random", "cabs", "isnan", "strcmp", "fopen", "snprintf", "clock", "size_t", "test", "std",
     "m", "debug", "general", "requires", "co_await", "linux", "st_atime", "si_pid", "ALIAS", "COMMAND", "INTERFACE",
-    "preinstall",
+    "preinstall", "initstate", "setstate",
 ]  # fmt: skip
 
 

@@ -47,7 +47,8 @@ _LIBRARY = re.compile(
     "|clearerr|feof|ferror|fileno|getline|perror|remove|rename|rewind"
     # numbers and memory
     "|l?l?(abs|div)|imax(abs|div)|ato(f|ll?|i)|(c|m|re|v|aligned_)alloc|reallocarray|free|b(cmp|copy|zero)|bsearch|q?sort"
-    "|s?rand(om)?(_r)?|[dejlmns](rand|eed|cong)48(_r)?|arc4random.*|q?[efg]cvt|w?mem(c?cpy|pcpy|move|set|cmp|chr)"
+    "|(s?rand(om)?|(init|set)state)(_r)?|[dejlmns](rand|eed|cong)48(_r)?|arc4random.*|q?[efg]cvt"
+    "|w?mem(c?cpy|pcpy|move|set|cmp|chr)"
     # characters and strings
     "|is(al(num|pha)|ascii|blank|cntrl|x?digit|graph|lower|print|punct|space|upper)|to(w?lower|w?upper|ascii)|isw[a-z]+"
     "|mb(len|r?towc|s?r?towcs)|wcr?tomb|wcs.+|stpn?cpy|ffsl?l?|r?index|str(to|from).*|str[fp]time|localeconv|setlocale"
