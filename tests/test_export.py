@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import cutpoint
-from c_builds import STRICT, CFunction, assert_same_bits, build, cpp_compilers, run
+from c_builds import STRICT, CFunction, assert_same_bits, build, compilers, cpp_compilers, run
 from cutpoint import Coulomb, Drive, InputError, LuGre, Rotor, TraceError
 from cutpoint.commands import app
 from cutpoint.control import PD, PID, AdaptiveVDC, Fault, Feedforward, Guard
@@ -128,6 +128,16 @@ def test_mathematics_without_nan_is_refused(arm: cutpoint.Robot, flag: str, tmp_
     export_function(arm, "gravity_forces", tmp_path)
     with pytest.raises(AssertionError, match="-ffast-math and parts of it change its results"):
         build(tmp_path, "gravity_forces.c", "-c", "-o", "f.o", flags=("-std=c99", "-O2", *flag.split()))
+
+
+@pytest.mark.parametrize("compiler", compilers(), ids=lambda path: Path(path).name)
+def test_sums_keep_their_order_where_the_compiler_says_that_it_disabled_a_flag(
+    arm: cutpoint.Robot, compiler: str, tmp_path: Path
+) -> None:
+    export_function(arm, "mass_matrix", tmp_path)
+    flags = ("-std=c99", "-O2", "-w", "-fassociative-math")
+    build(tmp_path, "mass_matrix.c", "mass_matrix_check.c", "-o", "check", compiler=compiler, flags=flags)
+    assert run(tmp_path) == (0, "mass_matrix: 0 of 612 numbers differ\n")
 
 
 def test_the_header_holds_the_drives_numbers_and_says_what_arguments_are(arm: cutpoint.Robot, tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ typedef char cutpoint_refuses_single_precision_constants[sizeof(0.5) > sizeof(0.
 
 /* every fused multiply-add is written; none may be made by the compiler */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("fp-contract=off")
+/* at any such pragma gcc takes up an -fassociative-math that it says it disabled */
+#pragma GCC optimize("fp-contract=off", "no-associative-math")
 #else
 #pragma STDC FP_CONTRACT OFF
 #endif
