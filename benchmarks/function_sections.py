@@ -6,6 +6,9 @@ from tables import Row, cells, ratio, share, table, times_as_quick
 
 PEERS = ("Pinocchio", "MuJoCo", "KDL", "CasADi", "CasADi, lean")
 
+KDL = "Orocos KDL"
+"""Its name among versions."""
+
 _RATIO = "quickest peer / cutpoint"
 
 _ONE_CALL = """## One call, without Python
@@ -78,13 +81,16 @@ def _one_call(task: dict) -> Row:
 
 def _beside_kdl(runs: Sequence[dict]) -> str:
     """Empty where none had it."""
-    measured = {x["machine"]["processor"]: [task for task in x["tasks"] if "KDL" in task["times"]] for x in runs}
-    measured = {name: tasks for name, tasks in measured.items() if tasks}
+    found = [x for x in runs if KDL in x["machine"]["versions"]]
+    if not found:
+        return ""
     rows = [
         Row((same[0]["robot"], same[0]["task"]), [ratio(times_as_quick(x["times"], "single", ("KDL",))) for x in same])
-        for same in zip(*measured.values(), strict=True)
+        for same in zip(*(x["tasks"] for x in found), strict=True)
+        if "KDL" in same[0]["times"]
     ]
-    return _KDL + table(" | ".join(["robot | task", *measured]), rows) if rows else ""
+    head = ["robot | task", *(f"{x['machine']['processor']}, version {x['machine']['versions'][KDL]}" for x in found)]
+    return _KDL + table(" | ".join(head), rows)
 
 
 def _batch(task: dict, limits: dict) -> Row:

@@ -24,6 +24,7 @@ from closed_loop import closed_loop
 from document import document
 from elastic import elastic_inverse_dynamics
 from from_memory import from_memory
+from function_sections import KDL
 from jax_rows import jax_rows
 from latency import CALLS, latency
 from laws import laws
@@ -92,7 +93,7 @@ def _pin_to_one_core() -> int | None:
 
 def _machine(core: int | None) -> dict:
     versions = {"Python": platform.python_version(), "cutpoint": cutpoint.__version__}
-    kdl = {"Orocos KDL": found} if (found := kdl_peer.version()) else {}
+    kdl = {KDL: found} if (found := kdl_peer.version()) else {}
     flags = {"flags": compilers.FLAGS, "own_flags": ours.C_FLAGS, "cpp_flags": pinocchio_cpp.STANDARD}
     return {
         "processor": f"{processor()} ({binding.get_host_cpu_name()})", "core": core,
