@@ -20,6 +20,7 @@ from cutpoint.identification.conditioning.motion import motion_of, slide_with_mo
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
 from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
 from cutpoint.identification.rigid.least_squares import least_squares
+from cutpoint.identification.rigid.physical import Solver
 from cutpoint.identification.rigid.regression import Regression
 from cutpoint.identification.rigid.rigid_robot import RigidModel, stated_laws
 from cutpoint.mechanics.drives.friction import Sliding
@@ -295,6 +296,19 @@ def test_a_rotor_that_weighs_nothing_is_not_the_files():
     laws = {joint: Coulomb(1.0, 0.5, 0.05) for joint in file.joints}
     model = RigidModel(file.inertial_parameters, np.zeros(3), np.zeros(3), laws, {}, slide_with_motors(file), {})
     assert [float(drive.reflected_inertia) for drive in model.robot(file).drives.values()] == [0.0] * 3
+
+
+@pytest.mark.parametrize("solver", ["lmi", "log_cholesky"])
+def test_rotors_that_no_file_states_may_be_far_heavier_than_a_light_wrist(solver: Solver):
+    arm = known_arm(0).robot
+    light = with_parameters(arm.mechanism, arm.inertial_parameters * np.repeat([1.0, 1.0, 1e-3], 10))
+    robot = Robot(light, arm.drives)
+    file = Robot(light, {joint: replace(drive, rotor=None) for joint, drive in arm.drives.items()})
+    found = identify_rigid(file, recorded(robot, 0), friction="stated", solver=solver, cutoff=CUTOFF)
+    reflected = float(robot.drives["joint2"].reflected_inertia)
+    assert np.diag(robot.mass_matrix(robot.neutral()))[2] - reflected < 0.01 * reflected
+    assert found.model.rotors[2] == pytest.approx(reflected, rel=0.02)
+    assert not any("placeholders" in note for note in found.notes)
 
 
 def test_no_side_of_a_drive_has_less_friction_at_rest_than_in_motion():

@@ -89,6 +89,8 @@ def fit_of(
     R, z = blunt * R, blunt * z
     b, bodies = base.independent.size, bodies_of(base.robot)
     scale, has_rotor = rotor_sizes(base)
+    # behind a gear's ratio a rotor may be far heavier than the links of a wrist
+    scale = np.where(has_rotor, scale, np.maximum(scale, _joint_inertias(base, R, z)))
     inertial = R[:, :b] @ _base_of(base, bodies, scale)
     # friction and offsets, as shares of their sizes
     stated, sums = np.array([stated_coefficient(base.robot, name) for name in names[b:]]), _sums(names[b:])
@@ -102,6 +104,14 @@ def fit_of(
     most = np.array([_most(name, laws) for name in names[b:]]) / sizes
     data = np.concatenate([inertial, R[:, b:] @ sums * sizes], axis=1)
     return Fit(base, data, z, bodies, scale, has_rotor, sums, sizes, prior, loose, positive, most, spread)
+
+
+def _joint_inertias(base: BaseParameters, R: Array, z: Array) -> Array:
+    """What rotors (rotors,) have at most of the base parameters that R x = z tells, kg m2 at the joint."""
+    shares = np.abs(base.matrix[:, len(base.parameters) - len(base.rotors) :])
+    values, counts = np.abs(solved(R, z)[0][: len(shares), None]), shares > 0.0
+    most = np.where(counts, values / np.where(counts, shares, 1.0), np.inf).min(axis=0)
+    return np.where(np.isfinite(most), most, 0.0)
 
 
 def _needless(names: Sequence[str], R: Array, z: Array, sizes: Array, told: NDArray[np.bool_]) -> NDArray[np.bool_]:
