@@ -141,6 +141,19 @@ def test_what_is_not_told_of_a_spring_stays_as_its_file_states_it(files: Path, t
         assert not any(words.startswith(f"{joint}: backlash") for words in found.notes)
 
 
+def test_that_motors_lead_their_links_is_said_where_no_drive_bends(files: Path):
+    given, rigid = wound(), {"drives": files / "rigid.yaml", "friction": "stated", "rotors": False}
+    quiet = Recording(TIME, TRUTH.joints, **given | {"theta": given["q"] + 1e-5 * np.sin(TIME)[:, None]})
+    words = r"what theta leads q by changes \(shoulder 0\.0\d+ rad \(m\), elbow 0\.0\d+ rad \(m\)\), .*: springs=True"
+    for log, springs, is_said in (
+        (Recording(TIME, TRUTH.joints, **given), None, True),
+        (Recording(TIME, TRUTH.joints, **given), False, False),
+        (quiet, None, False),
+    ):
+        found = identify(files / "arm.urdf", log, springs=springs, **rigid)
+        assert any(re.match(words, note) for note in found.notes) == is_said
+
+
 def test_a_spring_behind_a_play_that_its_file_states_is_found_beside_it(files: Path):
     gap, log = 4e-4, wound()
     q, v, a = motions()

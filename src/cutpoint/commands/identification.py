@@ -132,7 +132,8 @@ def identify(
     springs: Annotated[
         bool | None,
         typer.Option(
-            "--springs/--no-springs", help="Identify the drives' springs; default: if the log has both encoders."
+            "--springs/--no-springs",
+            help="Identify the drives' springs; default: if the log has both encoders, and a drive a spring.",
         ),
     ] = None,
     rotors: Annotated[

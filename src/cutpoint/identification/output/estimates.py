@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cutpoint.arrays import Array
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.identification.conditioning.motion import torques_of
@@ -27,6 +29,10 @@ FINE = 200.0
 
 ZEROS = 2e-3
 """rad (m): a larger difference of the encoders' zeros is reported, as gravity acts at a pose off by as much."""
+
+
+BENDS = 1e-4
+"""rad (m): a larger range of what a motor leads its link by is not that of a rigid drive."""
 
 
 class Estimates(NamedTuple):
@@ -136,6 +142,22 @@ def springs_wanted(before: Robot, recording: Recording, springs: bool | None) ->
     if springs is None:
         return both and any(drive.is_elastic for drive in before.drives.values())
     return springs
+
+
+def unsought(before: Robot, recording: Recording, springs: bool | None) -> tuple[str, ...]:
+    """A sentence if motors lead their links as springs let them, but no drive of the files has one, so that none was
+    sought."""
+    recorded = recording.in_order(before.joints)
+    if springs is not None or recorded.q is None or recorded.theta is None or springs_wanted(before, recording, None):
+        return ()
+    lead = recorded.theta - recorded.q
+    known = lead[np.isfinite(lead).all(axis=1)]
+    ranges = dict(zip(before.joints, np.ptp(known, axis=0).tolist() if len(known) else (), strict=False))
+    shown = ", ".join(f"{joint} {size:.2g} rad (m)" for joint, size in ranges.items() if size > BENDS)
+    if not shown:
+        return ()
+    words = f"what theta leads q by changes ({shown}), though no drive of the files bends"
+    return (f"{words}: springs=True, --springs, identifies springs",)
 
 
 def _with_rotors(

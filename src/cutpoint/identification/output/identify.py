@@ -29,7 +29,7 @@ from cutpoint.identification.logs.table import placed
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.identification.output.drive_numbers import drive_numbers
 from cutpoint.identification.output.error_warnings import unit_notes, warnings_of
-from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted
+from cutpoint.identification.output.estimates import Estimates, estimates, springs_wanted, unsought
 from cutpoint.identification.output.identification import Identification
 from cutpoint.identification.output.numbers import Number, rigid_numbers
 from cutpoint.identification.output.steps import Steps
@@ -112,6 +112,7 @@ def identify(
             fitted, held_from = _fitted(recording, hold_out)
             drives_see = _fitted(stamped, hold_out)[0] if springs_wanted(before, fitted, springs) else None
             found = estimates(before, fitted, friction, drives_see, resolution, torque_delay, how, say)
+            found = found._replace(notes=(*found.notes, *unsought(before, fitted, springs)))
             say("torques on the part held out")
             errors = torque_errors(before, found.rigid, recording, held_from, torque_constants, bandwidth)
     return _identification(before, file, xacro or {}, recording, found, errors)
