@@ -4,10 +4,8 @@ from collections.abc import Sequence
 
 from tables import Row, cells, ratio, share, table, times_as_quick
 
-PEERS = ("Pinocchio", "MuJoCo", "KDL", "CasADi", "CasADi, lean")
-
 KDL = "Orocos KDL"
-"""Its name among versions."""
+PEERS = ("Pinocchio", "MuJoCo", KDL, "CasADi", "CasADi, lean")
 
 _RATIO = "quickest peer / cutpoint"
 
@@ -85,9 +83,9 @@ def _beside_kdl(runs: Sequence[dict]) -> str:
     if not found:
         return ""
     rows = [
-        Row((same[0]["robot"], same[0]["task"]), [ratio(times_as_quick(x["times"], "single", ("KDL",))) for x in same])
+        Row((same[0]["robot"], same[0]["task"]), [ratio(times_as_quick(x["times"], "single", (KDL,))) for x in same])
         for same in zip(*(x["tasks"] for x in found), strict=True)
-        if "KDL" in same[0]["times"]
+        if KDL in same[0]["times"]
     ]
     head = ["robot | task", *(f"{x['machine']['processor']}, version {x['machine']['versions'][KDL]}" for x in found)]
     return _KDL + table(" | ".join(head), rows)

@@ -51,4 +51,4 @@ def entries(case: Case, task: str, inputs: list[np.ndarray]) -> dict[str, Entry]
         return {}
     robot, out = Robot(built(), case.model, case.flange), np.empty((len(inputs[0]), *case.shape(task)))
     robot.run(function, inputs, out)
-    return {"KDL": Entry(lambda: robot.run(function, inputs, None), out)}
+    return {"Orocos KDL": Entry(lambda: robot.run(function, inputs, None), out)}

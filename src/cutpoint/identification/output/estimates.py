@@ -30,7 +30,6 @@ FINE = 200.0
 ZEROS = 2e-3
 """rad (m): a larger difference of the encoders' zeros is reported, as gravity acts at a pose off by as much."""
 
-
 BENDS = 1e-4
 """rad (m): a larger range of what a motor leads its link by is not that of a rigid drive."""
 
