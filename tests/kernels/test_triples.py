@@ -173,12 +173,26 @@ def test_two_bodies_may_add_to_one_parent(backend: str) -> None:
     np.testing.assert_array_equal(x[:, :3], np.repeat([[13], [5], [1], [1], [1], [27]], 3, axis=1))
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_stage_leaves_threes_to_the_next_in_a_region_without_rows(backend: str) -> None:
+    stages = [
+        Stage(lambda x: [*cross(x[:3], x[3:]), *x[:3]], ("x",), ("left",)),
+        Stage(lambda left, x: [*OPERATIONS["plus"](left[:3], x[3:]), *left[3:]], ("left", "x"), ("x",)),
+    ]
+    x = np.random.default_rng(2).normal(size=(5, 2, 4))
+    a, b = x[:, 0, :3].copy(), x[:, 1, :3].copy()
+    regions = [Region("x", 6, triples=True), Region("left", 6, triples=True)]
+    compile_program(LaneLoop(5, stages, ("x",)), regions, backend).run({}, x=x.reshape(5, 8), left=np.zeros(8))
+    np.testing.assert_allclose(x[:, :, :3], np.stack([np.cross(a, b) + b, a], axis=1), rtol=1e-12)
+
+
 def test_threes_are_for_one_body_after_another() -> None:
-    stage = Stage(lambda x: x, ("x",), ("x",))
+    stage, wide = (Stage(lambda x: x, ("x",), ("x",), lanes) for lanes in (1, 2))
     for region, loop, told in [
         (Region("x", 4, triples=True), LaneLoop("n", [stage], ("x",)), "whole in threes"),
         (Region("x", 6, 2, triples=True), LaneLoop("n", [stage], ("x",)), "of one lane"),
         (Region("x", 3, triples=True), Loop("n", [stage], ("x",)), "LaneLoop"),
+        (Region("x", 3, triples=True), Loop("n", [wide]), "of one lane"),
     ]:
         with pytest.raises(InputError, match=told):
             compile_program(loop, [region])

@@ -43,6 +43,8 @@ class Batches:
     def _rows(self, name: str) -> int:
         """Of a region's array."""
         n, steps = self._task.bodies, self._task.steps
+        if name in steps.sums:
+            return self._task.sums.rows
         if name in steps.matrices:
             return n * n
         return n + 2 if name in steps.kept else n if name in (*steps.numbers, "body") else 1

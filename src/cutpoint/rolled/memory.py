@@ -12,6 +12,7 @@ from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.bodies import BASE, Columns, base_row, parents_of, place_of
 from cutpoint.rolled.packing import flat
 from cutpoint.rolled.recipes import Recipe
+from cutpoint.rolled.sums import sum_rows
 
 T = TypeVar("T")
 
@@ -34,6 +35,7 @@ class Task:
         known |= {"base.body": base_row(system)} if columns.base else {}
         self.constants = {k: np.array(known[k], dtype=np.float64) for k in self.steps.constants}
         self._parents, self._tip = parents_of(system), np.array([place.body])
+        self.sums = sum_rows(self._parents)
         base = [*system.base_acceleration]
         rows = {k: [base[x[1]] if isinstance(x, tuple) else x for x in row] for k, row in self.steps.world.items()}
         self.world = {name: np.array(row, dtype=np.float64) for name, row in rows.items()}
@@ -80,6 +82,7 @@ class Task:
         """Lists of rows, given the world's; the base's row follows it."""
         numbers = {"parent": self._parents, "world": np.array([WORLD]), "base": np.array([BASE]), "tip": self._tip}
         lists = {k: np.select([x == WORLD, x == BASE], [world, world + 1], x) for k, x in numbers.items()}
+        lists |= self.sums.lists
         views = [self.steps.views, *(self.steps.rows_of(p) for p in self.steps.passes if p.way == "once")]
         used = {view.index for some in views for view in some}
         return {name: rows.astype(np.int64) for name, rows in lists.items() if name in used}

@@ -44,11 +44,12 @@ class Steps(NamedTuple):
     """A function as passes over the bodies.
 
     kept: sizes of regions that have a row for each body, and further rows for base, world and tip.  numbers: names of
-    regions with one number for each body, inputs and outputs.  views: rows of a body's parent.  world: first numbers of
-    the world's rows; the rest is zero.  apart: sizes of regions without rows, of passes that run once.  constants:
-    sizes of those that hold the robot's numbers.  shapes: of outputs that are not one number for each body.  threes:
-    those of kept that hold only vectors and use vector registers; only passes outward and inward may use them.
-    entries: numbers for each pair, of outputs that have more than one.
+    regions with one number for each body, inputs and outputs.  views: rows of a body's parent, and of sums.  world:
+    first numbers of the world's rows; the rest is zero.  apart: sizes of regions without rows, of passes that run once
+    and of what one pass leaves to the next for the same body.  constants: sizes of those that hold the robot's numbers.
+    shapes: of outputs that are not one number for each body.  threes: those of kept, apart and sums that hold only
+    vectors and use vector registers; only passes outward, inward and once may use them.  entries: numbers for each
+    pair, of outputs that have more than one.  sums: sizes of regions with the rows of `SumRows`.
     """
 
     kept: dict[str, int]
@@ -61,6 +62,7 @@ class Steps(NamedTuple):
     shapes: Mapping[str, tuple[int, ...]] = MappingProxyType({})
     threes: tuple[str, ...] = ()
     entries: Mapping[str, int] = NONE
+    sums: Mapping[str, int] = NONE
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -84,7 +86,8 @@ class Steps(NamedTuple):
         """Names that a pass that runs once uses for rows."""
         names = dict.fromkeys((*p.stage.reads, *p.stage.writes))
         split = {name: name.split(".") for name in names if name not in {**self.apart, **self.constants}}
-        return tuple(View(name, of, row) for name, (row, of) in split.items())
+        rows = {name: f"{row}'s sum" if of in self.sums else row for name, (row, of) in split.items()}
+        return tuple(View(name, of, rows[name]) for name, (_, of) in split.items())
 
 
 class Rolled(NamedTuple):
@@ -113,7 +116,7 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     sizes = {"body": columns.width, **steps.sizes}
     kinds = groupby(steps.passes, key=lambda p: "outward" if p.way == "alone" else p.way)
     loops = [loop for way, some in kinds for loop in joined(some, way)]
-    regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart}.items()]
+    regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart, **steps.sums}.items()]
     constants = [Region(name, size) for name, size in {"body": columns.width, **steps.constants}.items()]
     entries = [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in steps.matrices]
     return Rolled(Loop(1, loops), (*constants, *regions, *entries))
@@ -123,23 +126,26 @@ def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     """Loops for one configuration.  Steps of bodies alone run on a block of bodies in lanes, over "blocks"."""
     sizes = {"body": columns.width, **steps.sizes}
 
-    def loops(p: Pass) -> list[Loop]:
-        if p.way == "alone":
-            return [Loop("blocks", [replace(p.stage, lanes=lanes)], tuple(sizes))]
-        if p.way in ("pairs", "carrying"):
-            return _pairs(p, lanes)
-        if p.way == "once":
-            return [LaneLoop(1, [p.stage], views=steps.rows_of(p))]
-        return [LaneLoop("bodies", [p.stage], tuple(sizes), backward=p.way == "inward", views=steps.views)]
+    def joined(passes: Sequence[Pass], way: str) -> list[Loop]:
+        if way == "alone":
+            return [Loop("blocks", [replace(p.stage, lanes=lanes) for p in passes], tuple(sizes))]
+        if way in ("pairs", "carrying"):
+            return [loop for p in passes for loop in _pairs(p, lanes)]
+        if way == "once":
+            return [LaneLoop(1, [p.stage], views=steps.rows_of(p)) for p in passes]
+        stages, inward = [p.stage for p in passes], way == "inward"
+        return [LaneLoop("bodies", stages, tuple(sizes), backward=inward, views=steps.views)]
 
-    regions = [Region(name, size * lanes, lanes) for name, size in sizes.items() if name not in steps.threes]
-    regions += [Region(name, sizes[name], triples=True) for name in steps.threes]
-    regions += [Region(name, size) for name, size in {**steps.apart, **steps.constants}.items()]
+    loops = [loop for way, some in groupby(steps.passes, key=lambda p: p.way) for loop in joined([*some], way)]
+    apart, threes = {**steps.apart, **steps.constants, **steps.sums}, steps.threes
+    regions = [Region(name, size * lanes, lanes) for name, size in sizes.items() if name not in threes]
+    regions += [Region(name, sizes[name], triples=True) for name in threes if name in sizes]
+    regions += [Region(name, size, triples=name in threes) for name, size in apart.items()]
     for p in steps.passes:
         if p.kinships(is_sure=False):
             regions += [Region(p.stage.reads[0], sum(sizes[name] for name in p.stage.reads[1:]))]
             regions += [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in p.stage.writes]
-    return Rolled(Loop(1, [loop for p in steps.passes for loop in loops(p)]), tuple(regions))
+    return Rolled(Loop(1, loops), tuple(regions))
 
 
 def _each_pair(p: Pass, lanes: int) -> list[Loop]:

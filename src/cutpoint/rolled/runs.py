@@ -35,7 +35,8 @@ def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[Arrays, Arrays, d
     n, blocks = task.bodies, -(-task.bodies // lanes)
     rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
     rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
-    rows |= dict.fromkeys(task.steps.threes, blocks * lanes + 2)
+    rows |= dict.fromkeys(set(task.steps.threes) & task.steps.kept.keys(), blocks * lanes + 2)
+    rows |= dict.fromkeys(task.steps.sums, task.sums.rows)
     sizes = {r.name: r.room for r in rolled.regions}
     arrays: Arrays = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
     vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}

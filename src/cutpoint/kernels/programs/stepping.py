@@ -12,8 +12,8 @@ class Region:
     """A named block of `size` numbers that the caller provides and that stages read and write.
 
     lanes: how many like things its numbers belong to, interleaved: number f of thing l is at f * lanes + l.
-    triples: whether every three numbers are padded to four, to fit a vector register; only in regions of one lane, and
-    only stages in a LaneLoop may use them.
+    triples: whether every three numbers are padded to four, to fit a vector register; only in regions of one lane, for
+    stages of one lane; one with rows must stream in a LaneLoop.
     """
 
     name: str

@@ -110,20 +110,20 @@ class Walk:
         if len(set(stage.writes)) != max(1, len(stage.writes)):
             raise InputError(f"stage {name_of(stage.function)} must write at least one region, and each only once")
         self.written.update(map(self._root, stage.writes))
-        self._check_single(stage, single.intersection((*stage.reads, *stage.writes)))
+        self._check_single(stage, advancing, single.intersection((*stage.reads, *stage.writes)))
         if stage not in self.graphs:
             known = self.regions | {name: self.regions[view.of] for name, view in self.views.items()}
             self._check_lanes(stage, known)
             self.graphs[stage] = stage_graph(stage, known, self.single[stage])
 
-    def _check_single(self, stage: Stage, seen: frozenset[str]) -> None:
+    def _check_single(self, stage: Stage, advancing: frozenset[str], seen: frozenset[str]) -> None:
         if self.single.setdefault(stage, seen) != seen or (seen and stage.lanes > 1):
             told = f"stage {name_of(stage.function)} uses {', '.join(sorted(self.single[stage] | seen))}"
             raise InputError(f"{told} lane by lane: it must be of one lane, and do so in every loop that holds it")
         for name in (*stage.reads, *stage.writes):
-            if self.regions[self._root(name)].triples and name not in seen:
+            if self.regions[self._root(name)].triples and (stage.lanes > 1 or name in advancing - seen):
                 told = f"stage {name_of(stage.function)} uses region {name!r} of triples"
-                raise InputError(f"{told}, so it must be in a LaneLoop that advances with it")
+                raise InputError(f"{told}, so it must be of one lane, and in a LaneLoop if that has rows")
 
     def _check_lanes(self, stage: Stage, known: dict[str, Region]) -> None:
         for name in stage.writes if stage.lanes > 1 else ():

@@ -38,15 +38,15 @@ def pushed(columns: Columns, order: Order) -> Pass:
 def with_free_rotor(columns: Columns) -> Pass:
     """Wrench on its carrier due to the spin of a rotor, which does not follow the carrier about its axis."""
 
-    def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, borne: Any) -> Any:
+    def spins(row: Any, turned: Any, omega: Any, carried: Any, speed: Any, alpha: Any, handed: Any) -> Any:
         own, A = columns.subsystem(row).along_the_world(pose_by_columns(turned)).behind, motion_of(carried)
         assert own is not None
-        M, P = resistance_of(borne)
+        M, P = resistance_of(handed)
         spun = forward_dynamics.with_free_rotor(own, own.inertia, M, P, Vec3(*omega), A, speed[0], alpha[0])
         return packed_resistance(*spun)
 
-    reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "borne")
-    return Pass("inward", Stage(spins, reads, ("borne",)))
+    reads = ("body", "turned", "carrier", "carried", "theta_dot", "theta_ddot", "handed")
+    return Pass("inward", Stage(spins, reads, ("handed",)))
 
 
 def left_behind(columns: Columns) -> Pass:

@@ -46,7 +46,7 @@ def elastic_inverse_dynamics(columns: Columns, options: Options = DEFAULT) -> St
         rigid.passes[-1] = base.bears(WITH_RATES, "joint_torque")
     passes = [*rigid.passes, alone]
     if columns.are_coupled:
-        passes = _before_inward(passes, coupling.carried(columns, WITH_RATES, RATES[1:]))
+        passes = _after_inward(passes, coupling.carried(columns, WITH_RATES, RATES[1:]))
         passes += [coupling.pushed(columns, WITH_RATES)]
     return rigid._replace(kept=kept, numbers=(*RATES, *MOTOR), passes=passes, apart=apart)
 
@@ -69,7 +69,7 @@ def elastic_forward_dynamics(columns: Columns) -> Steps:
 
     passes = [Pass("alone", Stage(drive, ("body", "motor_torque", *state), ("tau", "theta_ddot"))), *rigid.passes]
     if columns.are_coupled:
-        passes = [*_before_inward(passes, coupling.with_free_rotor(columns)), coupling.left_behind(columns)]
+        passes = [*_after_inward(passes, coupling.with_free_rotor(columns)), coupling.left_behind(columns)]
     if not all(drive and drive.is_elastic for drive in columns.models):  # a rigid drive's motor moves with its link
         passes += [Pass("alone", Stage(follow, ("body", "theta_ddot", "a"), ("theta_ddot",)))]
     numbers = (*state, "motor_torque", "a", "theta_ddot")
@@ -103,7 +103,7 @@ def static_deflection(columns: Columns) -> Steps:
     return rigid._replace(numbers=(*rigid.numbers, "deflection"), passes=[*rigid.passes, alone])
 
 
-def _before_inward(passes: list[Pass], one: Pass) -> list[Pass]:
-    """Inserts a pass before the first inward one, when the wrenches to be borne must be complete."""
-    first = [p.way for p in passes].index("inward")
-    return [*passes[:first], one, *passes[first:]]
+def _after_inward(passes: list[Pass], one: Pass) -> list[Pass]:
+    """Adds an inward pass, which shares the loop of the others: each body's steps precede those of its carrier."""
+    last = max(k for k, p in enumerate(passes) if p.way == "inward")
+    return [*passes[: last + 1], one, *passes[last + 1 :]]

@@ -13,6 +13,7 @@ from cutpoint.rolled.algorithms.placing import placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
     RESISTANCE,
+    added,
     by_columns,
     flat,
     motion_of,
@@ -28,18 +29,19 @@ from cutpoint.scalars import Scalar
 
 NUMBERS = ("q", "v", "tau", "a")
 
-THREES = {"turned": 12, "omega": 3, "coasting": 6, "resistance": RESISTANCE, "share": 6, "added": 6}
+MOTION = {"turned": 12, "omega": 3, "coasting": 6}
+KEPT = {**MOTION, "share": 6, "added": 6}
 """What is kept of each body, and in how many numbers, beside its pose and its own step."""
 
 VIEWS = (
     View("above", "turned", "parent"),
     View("carrier", "omega", "parent"),
     View("carried", "coasting", "parent"),
-    View("borne", "resistance", "parent"),
+    View("borne", "resistance", "own sum"),
+    View("by others", "resistance", "sum so far"),
+    View("handed", "resistance", "carrier's sum"),
     View("led", "added", "parent"),
 )
-
-MOTION = ("turned", "omega", "coasting")
 
 WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "coasting": [(UPWARD, k) for k in range(6)]}
 
@@ -48,8 +50,8 @@ def forward_dynamics(columns: Columns) -> Steps:
     """Accelerations a under torques tau.  Featherstone (2008) section 7.3, every body along the world's axes.
 
     So no inertia passed from body to body is ever rotated.  turned: the body's axes in the world's, and its position in
-    its parent.  coasting: its acceleration at constant joint speeds.  resistance: inertia, and the wrench for that
-    acceleration, then including all that the body carries.  added: the acceleration that joints add.
+    its parent.  coasting: its acceleration at constant joint speeds.  rigid: inertia, and the wrench for that
+    acceleration.  resistance: the same of all that a body carries.  added: the acceleration that joints add.
     """
     (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
     along = columns.along_the_world
@@ -65,9 +67,10 @@ def forward_dynamics(columns: Columns) -> Steps:
         return packed_resistance(Articulated.of(M).T, P)  # R J R^T is computed by columns, but needed by rows
 
     def eliminates(
-        row: Any, turned: Any, v: Any, tau: Any, resistance: Any, carrier: Any, carried: Any, borne: Any
+        row: Any, turned: Any, v: Any, tau: Any, rigid: Any, carrier: Any, carried: Any, borne: Any, by_others: Any
     ) -> Any:
-        own, (M, P), (M_p, P_p), left = along(row, turned), resistance_of(resistance), resistance_of(borne), tau[0]
+        own, (M, P), left = along(row, turned), resistance_of(added(borne, rigid)), tau[0]
+        M_p, P_p = resistance_of(by_others)
         if own.spin:
             left = left - own.spin.along(motion_of(carried).angular)
             P_p = P_p + own.spin.reaction(Vec3(*carrier), v[0], 0)
@@ -80,18 +83,19 @@ def forward_dynamics(columns: Columns) -> Steps:
         kept = body.placement.outward(A) + body.joint.motion(step)
         return [step[0] - eased], [*(kept + body.joint.motion([-eased]))]
 
-    reads = ("body", "turned", "v", "tau", "resistance", "carrier", "carried", "borne")
+    reads = ("body", "turned", "v", "tau", "rigid", "carrier", "carried", "borne", "by others")
     passes = [
         Pass("alone", place),
         *([base.resists()] if base else []),
-        Pass("outward", Stage(moves, ("body", "pose", "v", "above", "carrier", "carried"), MOTION)),
-        Pass("outward", Stage(resists, ("body", *MOTION), ("resistance",))),
-        Pass("inward", Stage(eliminates, reads, ("step", "share", "borne"))),
+        Pass("outward", Stage(moves, ("body", "pose", "v", "above", "carrier", "carried"), (*MOTION,))),
+        Pass("inward", Stage(resists, ("body", *MOTION), ("rigid",))),
+        Pass("inward", Stage(eliminates, reads, ("step", "share", "handed"))),
         *([base.eliminates()] if base else []),
         Pass("outward", Stage(follows, ("body", "turned", "step", "share", "led"), ("a", "added"))),
     ]
-    kept, (apart, constants) = {"pose": pose.size, "step": 1, **THREES}, sizes_apart(base, NUMBERS)
-    return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=tuple(THREES))
+    kept, (apart, constants) = {"pose": pose.size, "step": 1, **KEPT}, sizes_apart(base, NUMBERS)
+    apart, sums, threes = {"rigid": RESISTANCE, **apart}, {"resistance": RESISTANCE}, (*KEPT, "rigid", "resistance")
+    return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=threes, sums=sums)
 
 
 def eliminate(
