@@ -14,7 +14,7 @@ from cutpoint.model import Joint, Link, Mechanism
 from cutpoint.model.build import build
 from cutpoint.studies.cost.timing import in_turns
 
-LONG, SIZES = 192, (6, 24, 96, 192, 1000, 10_000)
+LONG, SIZES = 192, (6, 24, 96, 192, 1000, 2000, 10_000)
 """Pinocchio's Data grows with the cube of the number of joints."""
 
 ROWS = 64
