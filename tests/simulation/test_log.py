@@ -4,9 +4,11 @@ import io
 import itertools
 import json
 import os
+import re
 import sys
 import tempfile
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +21,12 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 from matplotlib.text import Text
 
+from cutpoint.control import PD, Guard
 from cutpoint.errors import CutpointError, InputError
 from cutpoint.simulation import simulate
 from cutpoint.simulation.log import files as log_files
 from cutpoint.simulation.log.log import Log
+from cutpoint.trajectories import cycloid
 from robot_library import robot
 
 JOINTS = ("shoulder", "el,bow [x]", "$li_ft^$")
@@ -109,6 +113,20 @@ def test_a_trajectory_of_ones_own_keeps_its_array():
 
 def test_it_says_what_it_holds():
     assert repr(example()).startswith("Log(50 samples from 0 s to 2 s: q [rad or m]")
+
+
+def test_it_says_that_its_law_has_found_a_fault():
+    arm = robot("xia2019")
+    law = Guard(arm, PD(kp=[1000.0] * 6, kd=[30.0] * 6, side="motor"), speed_limit=0.5)
+    told = repr(simulate(arm, law, cycloid(np.full(6, 1.0), 0.5), channels=("fault",)))
+    assert re.match(r"Log\(501 samples from 0 s to 0.5 s, with fault 4 \(speed\) from 0\.\d+ s on: ", told)
+    log = example()
+    own = replace(
+        log, channels={**log.channels, "fault": np.linspace(0.0, 40.0, 50) // 20}, units={**log.units, "fault": ""}
+    )
+    assert "with fault 1 (measurement) from" in repr(own)
+    unknown = replace(own, channels={**own.channels, "fault": np.full(50, 99.0)})
+    assert "with fault 99 from 0 s on" in repr(unknown)
 
 
 @pytest.mark.parametrize("ending", ["npz", "csv"])

@@ -99,7 +99,19 @@ class Log:
     def __repr__(self) -> str:
         units = {name: unit if isinstance(unit, str) else either(unit) for name, unit in self.units.items()}
         shown = ", ".join(f"{name} [{units[name]}]" for name in self.channels)
-        return f"Log({self.time.size} samples from {self.time[0]:g} s to {self.time[-1]:g} s: {shown})"
+        times = f"{self.time.size} samples from {self.time[0]:g} s to {self.time[-1]:g} s"
+        return f"Log({times}{self._first_fault()}: {shown})"
+
+    def _first_fault(self) -> str:
+        """What its repr says about a law's fault: nothing without one."""
+        faults = np.nan_to_num(self.channels.get("fault", np.zeros(1)))
+        if faults.ndim > 1 or not faults.any():
+            return ""
+        from cutpoint.control import Fault
+
+        first = int(np.flatnonzero(faults)[0])
+        names = {fault: f" ({fault.name.lower()})" for fault in Fault}
+        return f", with fault {faults[first]:g}{names.get(faults[first], '')} from {self.time[first]:g} s on"
 
     def columns(self, name: str) -> tuple[tuple[str, str], ...]:
         """The joint and the unit of each column of a channel; the joint is "" in a channel that has no joints.
