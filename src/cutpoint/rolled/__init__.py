@@ -8,7 +8,8 @@ passes: what a pass is, and how passes become loops.  bodies, drives, subsystem:
 packing: motions, wrenches and inertias as rows.
 algorithms: inverse, forward, mass, derivatives, ... as passes; `recipes` lists them.  placing, motions, base: what they
 share; a floating base has several axes, and runs once.
-runs, batches, memory: loops on one configuration, and on many.  functions: what a Robot calls.  suited: when.
+runs, batches, memory: loops on one configuration, and on many.  sums: rows for what bodies carry.
+functions: what a Robot calls.  suited: when.
 equations: solvers for the mass matrix of a large robot.  alone: functions in which every joint is by itself.
 """
 
