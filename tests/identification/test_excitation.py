@@ -286,12 +286,24 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"boxes": [1.0]}, r"boxes must be a mapping of frame names to \(low, high\)"),
         ({"resume": 3}, r"resume must be the path of a file, got 3"),
         ({"seconds": -1.0}, r"seconds -1.0"),
-        ({"travel": 1e-6}, r"no motion .* that tells all parameters was found in .* s: allow more travel or speed"),
+        ({"travel": 1e-6}, r"that tells all parameters was found in .* s; least is told about .*: allow more travel"),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], message: str) -> None:
     with pytest.raises(cutpoint.InputError, match=message):
         excitation(two_joints(), **{"harmonics": 3, "seconds": LONG, "starts": 1, **options})
+
+
+def test_a_light_finger_that_slides_is_no_obstacle(tmp_path: Path) -> None:
+    """A rotor that nothing states is as heavy as the finger: in kg, since the finger slides."""
+    finger = """<link name="finger"><inertial><mass value="0.015"/>
+        <inertia ixx="2e-6" ixy="0" ixz="0" iyy="2e-6" iyz="0" izz="4e-7"/></inertial></link>
+        <joint name="grip" type="prismatic"><parent link="lower"/><child link="finger"/><origin xyz="0.4 0 0"/>
+        <axis xyz="1 0 0"/><limit lower="0" upper="0.04" velocity="0.2" effort="20"/></joint></robot>"""
+    (tmp_path / "gripper.urdf").write_text(urdf_text().replace("</robot>", finger))
+    found = excitation(cutpoint.load(tmp_path / "gripper.urdf"), harmonics=3, seconds=LONG, starts=1)
+    assert found.after.condition < 1e5
+    assert any(use.name == "grip" and use.largest - use.least > 0.02 for use in found.limits)
 
 
 def test_a_box_without_walls_is_no_limit() -> None:

@@ -78,6 +78,12 @@ class Information:
         found[1] += dry + weights[:, joints, b + n + joints]
         return found
 
+    def least_told(self, W: Array) -> str:
+        """The parameter with the largest share in what W (N, n, columns) tells least."""
+        share, joints = np.abs(eigh(_gram(W))[1][:, 0]), self.base.robot.joints
+        friction = [f"{kind} friction of {joint}" for kind in ("dry", "viscous") for joint in joints]
+        return [*self.base.names, *friction][int(share.argmax())]
+
 
 def judged(W: Array, criterion: Criterion) -> tuple[float, Array]:
     """The cost of W (N, n, columns), to be minimised, and its gradient.
@@ -131,13 +137,17 @@ def _torque_scale(robot: Robot, bounds: Bounds) -> Array:
 
 
 def _sizes(robot: Robot) -> Array:
-    """Nominal sizes of all parameters: m, m r and m r^2 of each body, r its radius of gyration; rotors' inertias."""
+    """Nominal sizes of all parameters: m, m r and m r^2 of each body, r its radius of gyration; rotors' inertias.
+
+    A rotor that is not stated is taken to be as hard to move as the link.
+    """
     p = robot.inertial_parameters.reshape(-1, 10)
     mass, turning = p[:, 0], p[:, [4, 7, 9]].sum(axis=1) / 2.0
     m = np.maximum(mass, LIGHTEST * mass.mean() or 1.0)
     mean = np.sqrt(turning.sum() / m.sum()) or 1.0
     r = np.maximum(np.sqrt(turning / m), THINNEST * mean)
     own = {body.joint.name: k for k, body in enumerate(robot.mechanism.bodies)}
-    carried = [m[own[joint.name]] * r[own[joint.name]] ** 2 for joint in joints_of(robot)]
+    lever = {joint.name: 1.0 if joint.kind == "prismatic" else r[own[joint.name]] for joint in joints_of(robot)}
+    carried = [m[own[name]] * arm**2 for name, arm in lever.items()]
     rotors = [float(d.reflected_inertia) or x for d, x in zip(robot.drives.values(), carried, strict=True)]
     return np.concatenate([(m[:, None] * r[:, None] ** [0, 1, 1, 1, 2, 2, 2, 2, 2, 2]).ravel(), rotors])

@@ -107,6 +107,10 @@ class Problem:
         """Condition number of the regressor."""
         return condition_number(self.information.regressor(self.motion(z)))
 
+    def least_told(self, z: Array) -> str:
+        """The parameter that the torques tell least about."""
+        return self.information.least_told(self.information.regressor(self.motion(z)))
+
     def motion(self, z: Array, fine: bool = False) -> Array:
         """Position to snap (5, N, n) over one period."""
         found = (self._fine if fine else self._coarse) @ (z * self._scale)

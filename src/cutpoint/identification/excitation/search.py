@@ -38,7 +38,8 @@ LEAST_SCALE = 0.01
 class Found:
     """The best z within all limits, and its cost; first: the initial random one, if it was within them.
 
-    worst: of all motions beyond a limit, the one least so: its worst limit.
+    worst: of all motions beyond a limit, the one least so: its worst limit.  untold: if the last motion within all
+    limits does not determine all parameters, the one that it tells least about.
     """
 
     z: Array | None = None
@@ -46,6 +47,7 @@ class Found:
     first: Array | None = None
     starts: int = 0
     worst: Worst | None = None
+    untold: str = ""
 
 
 class TimeIsUpError(Exception):
@@ -88,12 +90,14 @@ def search(
 
 
 def _nothing(found: Found, seconds: float) -> InputError:
-    slower, longer = "move slower (base_frequency=, --base-frequency)", "search longer (seconds=, --seconds)"
-    if found.worst:
-        words = f"no motion was found within all limits in {seconds:.3g} s; at best, {found.worst.words}"
-        return InputError(f"{words}: allow more there, or {slower}, or {longer}")
-    words = f"no motion within the limits that tells all parameters was found in {seconds:.3g} s"
-    return InputError(f"{words}: allow more travel or speed, or {longer}")
+    passed, longer = f"in {seconds:.3g} s", "search longer (seconds=, --seconds)"
+    at_best = f"; at best, {found.worst.words}" if found.worst else ""
+    if found.untold:
+        words = f"no motion within the limits that tells all parameters was found {passed}"
+        remedy = "allow more travel or speed, or lock joints that need not move (lock=, --lock)"
+        return InputError(f"{words}; least is told about {found.untold}{at_best}: {remedy}, or {longer}")
+    slower = "allow more there, or move slower (base_frequency=, --base-frequency), or " if at_best else ""
+    return InputError(f"no motion was found within all limits {passed}{at_best}: {slower}{longer}")
 
 
 def _random(problem: Problem, rng: np.random.Generator) -> Array:
@@ -152,7 +156,11 @@ def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, f
             found.worst = worst
         z = _scaled(z, _largest_factor(problem, z))
         worst = problem.worst(z)
-    if worst.room >= 0.0 and problem.condition(z) < BLIND:
+    if worst.room < 0.0:
+        return
+    if problem.condition(z) >= BLIND:
+        found.untold = problem.least_told(z)
+    else:
         cost = problem.cost(z)
         if cost < found.cost:
             found.z, found.cost = z, cost
