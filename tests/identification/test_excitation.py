@@ -131,6 +131,20 @@ def test_each_criterion_is_best_at_what_it_is_for() -> None:
     assert by_condition.after.condition < by_determinant.after.condition
 
 
+def test_position_limits_that_stand_for_none_leave_a_turn() -> None:
+    """As files converted from SDF have them."""
+    free = two_joints('<limit lower="-1e16" upper="1e16" velocity="3" effort="60"/>')
+    bounds = bounds_of(free, None, None, None, None)
+    assert bounds.low.tolist() == [-np.pi] * 2 and bounds.high.tolist() == [np.pi] * 2
+
+
+def test_it_says_about_what_a_motion_tells_next_to_nothing() -> None:
+    found = excitation(two_joints(), harmonics=3, travel=1e-5, seconds=LONG, starts=1)
+    assert found.untold and {*found.untold} < {*base_parameters(found.robot, rotors=True).names}
+    assert f"next to nothing about '{found.untold[0]}'" in str(table_of(found).caption)
+    assert planar().untold == ()
+
+
 def test_limits_that_stand_for_none_do_not_hide_what_a_motion_tells() -> None:
     """As some files state them for joints that nobody limits: dry and viscous friction must stay apart."""
     free = two_joints('<limit lower="-1" upper="1" velocity="10000" effort="50000"/>')
@@ -286,7 +300,10 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"boxes": [1.0]}, r"boxes must be a mapping of frame names to \(low, high\)"),
         ({"resume": 3}, r"resume must be the path of a file, got 3"),
         ({"seconds": -1.0}, r"seconds -1.0"),
-        ({"travel": 1e-6}, r"that tells all parameters was found in .* s; least is told about .*: allow more travel"),
+        (
+            {"travel": 1e-6},
+            r"that tells of most parameters was found in .* s; least is told about .*: allow more travel",
+        ),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_words(options: dict[str, Any], message: str) -> None:

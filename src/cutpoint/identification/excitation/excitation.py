@@ -47,7 +47,8 @@ class Excitation:
     """The best motion found: `trajectory` has `periods` periods.
 
     before: quality of the first random motion, scaled up to the limits, None if they allow none there; if resumed, of
-    the file's motion, with its own limits.  after: of this one.  starts: number of completed starts.
+    the file's motion, with its own limits.  after: of this one.  untold: parameters about which it tells next to
+    nothing, too little of the torques being theirs.  starts: number of completed starts.
     """
 
     robot: Robot = field(repr=False)
@@ -58,6 +59,7 @@ class Excitation:
     limits: tuple[Use, ...] = field(repr=False)
     starts: int
     resumed: bool = False
+    untold: tuple[str, ...] = ()
 
     @property
     def periods(self) -> int:
@@ -159,6 +161,7 @@ def _result(robot: Robot, problem: Problem, duration: float, found: Found, known
         _uses(problem, found.z),
         found.starts,
         known is not None,
+        found.untold,
     )
 
 

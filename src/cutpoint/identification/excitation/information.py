@@ -11,7 +11,7 @@ from scipy.linalg import cholesky, eigh, eigvalsh, get_lapack_funcs
 
 from cutpoint import definitions
 from cutpoint.arrays import Array
-from cutpoint.identification.excitation.bounds import Bounds, joints_of
+from cutpoint.identification.excitation.bounds import Bounds
 from cutpoint.identification.excitation.kernels import pullback
 from cutpoint.identification.rigid.base_parameters import base_parameters
 from cutpoint.robot import Robot
@@ -29,6 +29,9 @@ LIGHTEST, THINNEST = 0.01, 0.1
 
 UNLIMITED = 1e3
 """Times the largest torque of random motions: limits beyond that are what files state for joints without one."""
+
+BLIND = 1e6
+"""Times a combination of parameters must be told less than the best told one to count as not told: noise is larger."""
 
 TINY = 1e-14
 """Share of the trace of W^T W added to its diagonal, so that an uninformative motion has a finite criterion."""
@@ -48,7 +51,7 @@ class Information:
         self._inertial, self._rotors = np.flatnonzero(inertial), np.flatnonzero(~inertial)
         self._rotor_joints = self.base.independent[~inertial] - 10 * len(robot.mechanism.bodies)
         self._gradient = pullback(robot, lambda m, **x: _columns(m, chosen, **x), (robot.nv, chosen.size), 2)
-        sizes = np.abs(self.base.matrix) @ _sizes(robot)
+        sizes = np.abs(self.base.matrix) @ _sizes(robot, bounds)
         self._sizes = np.concatenate([sizes, FRICTION * self._torque, FRICTION * self._torque / bounds.speed])
 
     @property
@@ -78,11 +81,13 @@ class Information:
         found[1] += dry + weights[:, joints, b + n + joints]
         return found
 
-    def least_told(self, W: Array) -> str:
-        """The parameter with the largest share in what W (N, n, columns) tells least."""
-        share, joints = np.abs(eigh(_gram(W))[1][:, 0]), self.base.robot.joints
+    def untold(self, W: Array) -> tuple[str, ...]:
+        """The parameters about which W (N, n, columns) tells next to nothing, those told least first."""
+        size, shares = eigh(_gram(W))
+        is_blind, joints = size < size[-1] / BLIND**2, self.base.robot.joints
         friction = [f"{kind} friction of {joint}" for kind in ("dry", "viscous") for joint in joints]
-        return [*self.base.names, *friction][int(share.argmax())]
+        names = [*self.base.names, *friction]
+        return tuple(dict.fromkeys(names[k] for k in np.abs(shares[:, is_blind]).argmax(axis=0)))
 
 
 def judged(W: Array, criterion: Criterion) -> tuple[float, Array]:
@@ -136,18 +141,17 @@ def _torque_scale(robot: Robot, bounds: Bounds) -> Array:
     return np.where(is_limited, bounds.torque, typical)
 
 
-def _sizes(robot: Robot) -> Array:
+def _sizes(robot: Robot, bounds: Bounds) -> Array:
     """Nominal sizes of all parameters: m, m r and m r^2 of each body, r its radius of gyration; rotors' inertias.
 
-    A rotor that is not stated is taken to be as hard to move as the link.
+    A rotor that is not stated is taken to resist its joint as much as what that carries.
     """
     p = robot.inertial_parameters.reshape(-1, 10)
     mass, turning = p[:, 0], p[:, [4, 7, 9]].sum(axis=1) / 2.0
     m = np.maximum(mass, LIGHTEST * mass.mean() or 1.0)
     mean = np.sqrt(turning.sum() / m.sum()) or 1.0
     r = np.maximum(np.sqrt(turning / m), THINNEST * mean)
-    own = {body.joint.name: k for k, body in enumerate(robot.mechanism.bodies)}
-    lever = {joint.name: 1.0 if joint.kind == "prismatic" else r[own[joint.name]] for joint in joints_of(robot)}
-    carried = [m[own[name]] * arm**2 for name, arm in lever.items()]
+    q = np.random.default_rng(0).uniform(bounds.low, bounds.high, (20, robot.nv))
+    carried = robot.mass_matrix(q).diagonal(axis1=1, axis2=2).mean(axis=0)
     rotors = [float(d.reflected_inertia) or x for d, x in zip(robot.drives.values(), carried, strict=True)]
     return np.concatenate([(m[:, None] * r[:, None] ** [0, 1, 1, 1, 2, 2, 2, 2, 2, 2]).ravel(), rotors])

@@ -7,7 +7,7 @@ import numpy as np
 
 from cutpoint.arrays import Array
 from cutpoint.identification.excitation.bounds import Bounds
-from cutpoint.identification.excitation.information import Criterion, Information, condition_number, judged
+from cutpoint.identification.excitation.information import Criterion, Information, judged
 from cutpoint.identification.excitation.limits import Box, limits_of
 from cutpoint.identification.excitation.series import FourierSeries, still_waves
 from cutpoint.robot import Robot
@@ -103,13 +103,9 @@ class Problem:
         """The cost of the criterion alone."""
         return judged(self.information.regressor(self.motion(z)), self.criterion)[0]
 
-    def condition(self, z: Array) -> float:
-        """Condition number of the regressor."""
-        return condition_number(self.information.regressor(self.motion(z)))
-
-    def least_told(self, z: Array) -> str:
-        """The parameter that the torques tell least about."""
-        return self.information.least_told(self.information.regressor(self.motion(z)))
+    def untold(self, z: Array) -> tuple[str, ...]:
+        """The parameters about which the torques tell next to nothing."""
+        return self.information.untold(self.information.regressor(self.motion(z)))
 
     def motion(self, z: Array, fine: bool = False) -> Array:
         """Position to snap (5, N, n) over one period."""

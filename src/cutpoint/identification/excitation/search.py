@@ -27,8 +27,8 @@ CENTRES, SPREAD, SWING = 64, 0.5, 0.3
 
 HALVINGS = 10
 
-BLIND = 1e6
-"""The condition number above which a motion, such as one near rest, does not determine all parameters."""
+MOST_UNTOLD = 0.25
+"""Share of the parameters about which a motion may tell next to nothing; one near rest tells little but gravity."""
 
 LEAST_SCALE = 0.01
 """Scale of the waves: if limits allow less, the centre is wrong."""
@@ -38,16 +38,17 @@ LEAST_SCALE = 0.01
 class Found:
     """The best z within all limits, and its cost; first: the initial random one, if it was within them.
 
-    worst: of all motions beyond a limit, the one least so: its worst limit.  untold: if the last motion within all
-    limits does not determine all parameters, the one that it tells least about.
+    untold: parameters about which it tells next to nothing.  worst: of all motions beyond a limit, the one least so:
+    its worst limit.  blind: if a motion within all limits told of too few parameters, the one it tells least about.
     """
 
     z: Array | None = None
     cost: float = np.inf
     first: Array | None = None
     starts: int = 0
+    untold: tuple[str, ...] = ()
     worst: Worst | None = None
-    untold: str = ""
+    blind: str = ""
 
 
 class TimeIsUpError(Exception):
@@ -92,10 +93,11 @@ def search(
 def _nothing(found: Found, seconds: float) -> InputError:
     passed, longer = f"in {seconds:.3g} s", "search longer (seconds=, --seconds)"
     at_best = f"; at best, {found.worst.words}" if found.worst else ""
-    if found.untold:
-        words = f"no motion within the limits that tells all parameters was found {passed}"
-        remedy = "allow more travel or speed, or lock joints that need not move (lock=, --lock)"
-        return InputError(f"{words}; least is told about {found.untold}{at_best}: {remedy}, or {longer}")
+    if found.blind:
+        words = f"no motion within the limits that tells of most parameters was found {passed}"
+        return InputError(
+            f"{words}; least is told about {found.blind}{at_best}: allow more travel or speed, or {longer}"
+        )
     slower = "allow more there, or move slower (base_frequency=, --base-frequency), or " if at_best else ""
     return InputError(f"no motion was found within all limits {passed}{at_best}: {slower}{longer}")
 
@@ -149,7 +151,7 @@ def _improve(problem: Problem, z: Array, found: Found, clock: "_Clock", keep: Ca
 
 
 def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, float], None]) -> None:
-    """Keeps the motion, scaled down to all limits, if it is the best so far and determines all parameters."""
+    """Keeps the motion, scaled down to all limits, if it is the best so far: it tells of more parameters, or more."""
     worst = problem.worst(z)
     if worst.room < 0.0:
         if found.worst is None or worst.room > found.worst.room:
@@ -158,13 +160,12 @@ def _consider(problem: Problem, z: Array, found: Found, keep: Callable[[Array, f
         worst = problem.worst(z)
     if worst.room < 0.0:
         return
-    if problem.condition(z) >= BLIND:
-        found.untold = problem.least_told(z)
-    else:
-        cost = problem.cost(z)
-        if cost < found.cost:
-            found.z, found.cost = z, cost
-            keep(z, cost)
+    untold, cost = problem.untold(z), problem.cost(z)
+    if len(untold) > MOST_UNTOLD * problem.information.parameters:
+        found.blind = untold[0]
+    elif found.z is None or (len(untold), cost) < (len(found.untold), found.cost):
+        found.z, found.cost, found.untold = z, cost, untold
+        keep(z, cost)
 
 
 def _largest_factor(problem: Problem, z: Array) -> float:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+from cutpoint.errors import listed
 from cutpoint.files import save_figure
 from cutpoint.identification.excitation.excitation import Excitation, Quality
 from cutpoint.identification.excitation.limits import Use
@@ -32,6 +33,8 @@ def table_of(found: Excitation) -> Table:
     first = "the file's motion" if found.resumed else "a random motion"
     began = "" if found.before is None else f"{first}: {_words(found.before)}; "
     table.caption = f"{began}this one: {_words(found.after)}"
+    if found.untold:
+        table.caption += f"\nit tells next to nothing about {listed(found.untold)}: too little of the torques"
     return table
 
 
