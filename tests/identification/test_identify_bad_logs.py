@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from arm_logs import LAW, TIME, TRUTH, Array, channels, motions, run, wound, write_arm, write_log
+from two_joints import urdf_text
 
 from cutpoint import Drive, LinearSpring, Robot, Rotor
 from cutpoint.errors import InputError
+from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.output import identify
 
@@ -149,6 +151,21 @@ def test_a_joint_that_only_a_controller_holds_is_noted(files: Path, share: float
     log = Recording(TIME, TRUTH.joints, q=q, torque=TRUTH.inverse_dynamics(q, v, a) + LAW.torque(v))
     notes = identify(files / "arm.urdf", log, drives=files / "rigid.yaml", friction="stated").notes
     assert any(note.startswith("elbow hardly moved, less than 1% as far") for note in notes) is is_told
+
+
+@pytest.mark.parametrize(("range_", "is_told"), [("0.02", False), ("5", True)])
+def test_a_slides_travel_is_judged_by_its_range(files: Path, range_: str, is_told: bool):
+    """Metres are not compared with radians."""
+    old = '<joint name="elbow" type="revolute">'
+    shoulder, elbow = urdf_text().split(old)
+    elbow = elbow.replace('lower="-2" upper="2.5"', f'lower="-{range_}" upper="{range_}"')
+    text = shoulder + '<joint name="elbow" type="prismatic">' + elbow
+    file, arm = files / "slide.urdf", Robot(parse_urdf(text))
+    file.write_text(text)
+    q, v, a = (x * [1.0, 0.005] for x in motions())
+    log = Recording(TIME, arm.joints, q=q, torque=arm.inverse_dynamics(q, v, a) + LAW.torque(v))
+    notes = identify(file, log, friction="stated").notes
+    assert any(note.startswith("elbow hardly moved") for note in notes) is is_told
 
 
 def shuffled() -> dict[str, Array]:

@@ -35,7 +35,7 @@ from cutpoint.identification.rigid.uncertainty import (
     strained,
     untold,
 )
-from cutpoint.joint_units import at_joints
+from cutpoint.joint_units import are_prismatic, at_joints
 from cutpoint.mechanics.drives.friction import Sliding, Stribeck
 from cutpoint.model.drive import Friction, KinematicError
 from cutpoint.robot import Robot
@@ -45,7 +45,8 @@ FAST = 0.5
 and any curved friction has such a law."""
 
 HARDLY = 0.01
-"""Share of the liveliest joint's travel: a joint that travels less hardly moves."""
+"""Share of the liveliest joint's travel, or for slides of what their limits allow: a joint that travels less hardly
+moves."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -231,15 +232,22 @@ def sizes_of_others(base: BaseParameters, log: TorqueData, names: Sequence[str])
 def _standing(robot: Robot, log: TorqueData) -> list[str]:
     """Sentences on joints that stood still, and on those that hardly moved, as in a controller's hold."""
     still, travel = still_joints(robot, log.motion), np.ptp(log.motion.q[log.motion.known()], axis=0)
-    slight = zip(robot.joints, travel < HARDLY * travel.max(), strict=True)
+    slight = zip(robot.joints, travel < HARDLY * _lively(robot, travel), strict=True)
     hardly = [joint for joint, is_slight in slight if is_slight and joint not in still]
     notes: list[str] = []
     if still:
         notes.append(f"{', '.join(still)} stood still: what moves only with these, and their friction, is not told")
     if hardly:
-        words = f"{', '.join(hardly)} hardly moved, less than {HARDLY:.0%} as far as another joint"
+        words = f"{', '.join(hardly)} hardly moved, less than {HARDLY:.0%} as far as another joint, or a slide's range"
         notes.append(f"{words}: its numbers, and those of joints beside it, may be outside their intervals: move it")
     return notes
+
+
+def _lively(robot: Robot, travel: Array) -> Array:
+    """What joints' travel is compared with, (n,): that of another of its kind, or a slide's range, if stated."""
+    slides, ranges = np.array(are_prismatic(robot)), [each.upper - each.lower for each in robot.limits.values()]
+    most = np.array([travel[slides == own].max() for own in slides])
+    return np.where(slides & np.isfinite(ranges), np.maximum(most, ranges), most)
 
 
 def _simplified(model: RigidModel, robot: Robot) -> list[str]:
