@@ -101,6 +101,10 @@ def test_drives_of_joints_that_slide_are_shown_in_newtons(tmp_path: Path, monkey
     Path("arm.yaml").write_text(ELASTIC.replace("}}}}", f"}}}}, {parts}}}}}"), encoding="utf-8")
     told = printed("inspect", "arm.urdf", "--drives", "arm.yaml")
     assert "damping 5 N s/m" in told and "rated 100 N " in told and "N m" not in told.split("drives, at")[1]
+    assert "laws in N, m and s on prismatic joints" in " ".join(told.split())
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    told = " ".join(printed("inspect", "arm.urdf", "--drives", "arm.yaml").split())
+    assert "laws in N m, rad and s gravity" in told and ": 2 subsystems, 1 cutting point " in told
 
 
 def test_inertias_are_mended_on_demand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -38,7 +38,8 @@ def test_torques_at_a_place_are_saved_as_they_are_computed(tmp_path: Path) -> No
     motion = [np.radians([float(x) for x in text.split(",")]) for text in given.values()]
     u = arm.elastic_inverse_dynamics(*motion, np.zeros(6), np.zeros(6), quasi_rigid=True)
     lead = u.theta - motion[0]
-    expected = [*motion, arm.gravity_forces(motion[0]), u.joint_torque, u.motor_torque, lead]
+    on_link = u.joint_torque + arm.friction_torques(motion[1])
+    expected = [*motion, arm.gravity_forces(motion[0]), on_link, u.motor_torque, lead]
     names = ["position", "speed", "acceleration", "gravity", "joint_torque", "motor_torque", "motor_lead"]
     assert (found["robot"], [*found["joints"]]) == (arm.name, [*arm.joints])
     for name, values in zip(names, expected, strict=True):
@@ -72,6 +73,27 @@ def test_torques_along_a_motion_are_those_of_its_places(tmp_path: Path, monkeypa
         InputError, match=r"--period 1e-09 s: this gives 1e\+09 samples, at most 1e\+06 are allowed: lengthen it"
     ):
         CliRunner().invoke(app, ["torque", "xia2019", "move.csv", "--period", "1e-9"], catch_exceptions=False)
+
+
+def test_a_joint_s_torque_is_what_its_gear_bears_against_the_link_s_friction_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in a log of `simulate`: a rigid drive without friction of its motor exerts all of the motor's torque."""
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ONE_JOINT.format(joint="swing"), encoding="utf-8")
+    parts = "ratio: 100, friction: {link: {coulomb: 5}}, ratings: {momentary_peak_torque: 3}"
+    Path("arm.yaml").write_text(f"version: 1\ndrives: {{swing: {{{parts}}}}}\n", encoding="utf-8")
+    there = ("torque", "arm.urdf", "--drives", "arm.yaml", "--q", "0", "--v", "1")
+    (swing,) = saved(tmp_path, *there)["joints"].values()
+    assert swing["joint_torque"] == pytest.approx(swing["motor_torque"], rel=1e-14)
+    assert swing["motor_torque"] == pytest.approx(swing["gravity"] + 5.0, rel=1e-12)
+    assert "note: swing transmits up to 4.019 N m, above its gear's momentary peak of 3" in printed(*there)
+    times = np.linspace(0.0, 1.0, 101)
+    q = cutpoint.trajectories.cycloid([0.5], 1.0)(times).q
+    np.savetxt("move.csv", np.c_[times, q], delimiter=",", header="t,swing [rad]", comments="")
+    printed("torque", "arm.urdf", "move.csv", "--drives", "arm.yaml", "--output", "torques.csv")
+    log = Log.load("torques.csv")
+    np.testing.assert_allclose(log["joint_torque"], log["motor_torque"], rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize(

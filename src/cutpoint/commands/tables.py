@@ -9,7 +9,8 @@ from rich.table import Table
 
 from cutpoint.arrays import Array
 from cutpoint.commands.limits import in_units, limits_by_joint, range_of
-from cutpoint.joint_units import are_prismatic, at_joints
+from cutpoint.errors import counted
+from cutpoint.joint_units import are_prismatic, at_joints, either
 from cutpoint.mechanics.drives.hysteresis import MaxwellSlip
 from cutpoint.mechanics.drives.kinematic_error import KinematicError
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
@@ -30,10 +31,14 @@ STACKED = ("joint,\nkind", "carries,\ncarried by", "mass\nkg", "position\nlimits
 NO_LIMITS = ("-", "-", "-")
 """Limits of a joint without any of its own."""
 
+OF_TORQUES = "the joint's torque includes the link's friction, the motor's also its own, rotor and kinematic error"
+"""What a drive exerts on its link, and what that takes."""
+
 
 def robot_table(robot: Robot, console: Console) -> Table:
     """Bodies with their joints, masses and limits: the tightest of the robot file's, the drive's and its current's."""
-    title = f"{robot.name}: {len(robot.subsystems)} subsystems, {len(robot.cuts)} cutting points"
+    sizes = counted(len(robot.subsystems), "subsystem"), counted(len(robot.cuts), "cutting point")
+    title = f"{robot.name}: {', '.join(sizes)}"
     wide, stacked = _table(title, *COLUMNS), _table(title, *STACKED)
     stacked.columns[-1].no_wrap = True
     masses, in_force = robot.inertial_parameters.reshape(-1, 10)[:, 0], limits_by_joint(robot)
@@ -82,6 +87,9 @@ def drive_table(robot: Robot) -> Table:
     table = _table("drives, at the joint's side", *(names[k] for k in told))
     for row in rows:
         table.add_row(*(row[k] for k in told))
+    if any("\n" in law for row in rows for law in row[3:6]):
+        units = sorted("N, m and s on prismatic joints" if x else "N m, rad and s" for x in are_prismatic(robot))
+        table.caption = f"laws in {either(units)}"
     return table
 
 
@@ -132,7 +140,7 @@ def torque_table(robot: Robot, q: Array, v: Array, a: Array, u: ElasticTorques[A
         )  # fmt: skip
     rates = (", ".join(f"{x:.4g}" for x in values) for values in (v, a))
     motion = "speeds {}; accelerations {}; SI units".format(*rates) if v.any() or a.any() else "at rest"
-    table.caption = f"{motion}; the motor's torque includes friction, rotor and kinematic error"
+    table.caption = f"{motion}; {OF_TORQUES}"
     return table
 
 
@@ -144,7 +152,7 @@ def motion_table(robot: Robot, log: "Log") -> Table:
     units = at_joints(robot, "N m")
     for name, slides, speed, *found in zip(robot.joints, are_prismatic(robot), log.max("v"), *torques, strict=True):
         table.add_row(name, *(f"{x:.4g} {units[name]}" for x in found), f"{in_units(speed, slides)}/s")
-    table.caption = "the motor's torque includes friction, rotor and kinematic error"
+    table.caption = OF_TORQUES
     return table
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 import cutpoint
+from cutpoint.arrays import Array
 from cutpoint.commands.limits import beyond_efforts, beyond_limits
 from cutpoint.commands.robot_file import RobotFile, takes_robot
 from cutpoint.commands.shared import (
@@ -27,6 +28,7 @@ from cutpoint.commands.sheets import save_sheet, torque_sheet
 from cutpoint.commands.tables import motion_table, torque_table
 from cutpoint.errors import InputError
 from cutpoint.joint_units import at_joints
+from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.limits import check_configuration
 from cutpoint.reporting.fitting import print_table
 
@@ -95,7 +97,7 @@ def torque(
     speed, acceleration = (numbers_of(loaded, *given, degrees) for given in (("v", v), ("a", a)))
     check_configuration(loaded.mechanism, position.tolist())
     still = np.zeros(len(loaded.joints))
-    torques = loaded.elastic_inverse_dynamics(position, speed, acceleration, still, still, quasi_rigid=True)
+    torques = _torques(loaded, position, speed, acceleration, still, still)
     if json:
         save_sheet(torque_sheet(loaded, position, speed, acceleration, torques), json)
     print_table(torque_table(loaded, position, speed, acceleration, torques), console)
@@ -114,7 +116,13 @@ def torques_along(
         raise InputError(f"torque: --period {period:g} s: {rule}", period=period)
     times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
     motion = trajectory.derivatives(times, 4)
-    u = robot.elastic_inverse_dynamics(*motion, quasi_rigid=True)
+    u = _torques(robot, *motion)
     found = (*motion[:3], u.joint_torque, u.motor_torque, u.theta, u.theta_dot)
     units = {name: tuple(at_joints(robot, unit).values()) for name, unit in CHANNELS.items()}
     return cutpoint.Log(times, dict(zip(CHANNELS, found, strict=True)), units, robot.joints)
+
+
+def _torques(robot: cutpoint.Robot, q: Array, v: Array, *rates: Array) -> ElasticTorques[Array]:
+    """Of a motion.  A joint's torque is what its gear exerts on its link, against friction too, as in simulate."""
+    u = robot.elastic_inverse_dynamics(q, v, *rates, quasi_rigid=True)
+    return u._replace(joint_torque=u.joint_torque + robot.friction_torques(v))

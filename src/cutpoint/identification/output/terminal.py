@@ -18,7 +18,7 @@ def table_of(found: Identification) -> Table:
     """RMS torque of each joint, and errors of the model before and after."""
     band = f"below {found.errors.bandwidth:.3g} Hz"
     unit = either(at_joints(found.robot, "N m").values())
-    title = f"{found.robot.name}: RMS of torques and of their errors, {unit} at the joint, {band}"
+    title = f"{found.robot.name}: RMS of torques about their mean, and of their errors, {unit} at the joint, {band}"
     table = Table(title=Text(title), title_justify="left")
     for k, column in enumerate(COLUMNS):
         table.add_column(column, justify="right" if 0 < k < 6 else "left", overflow="fold")
