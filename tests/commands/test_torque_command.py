@@ -13,6 +13,12 @@ import cutpoint
 from cutpoint import InputError, Log, ModelError, robots
 from cutpoint.commands import app
 
+BODY = '<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+TWO_JOINTS = f"""<robot name="cart"><link name="base"/><link name="a"><inertial>{BODY}</inertial></link>
+<link name="b"><inertial>{BODY}</inertial></link>
+<joint name="glide" type="{{kind}}"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/></joint>
+<joint name="swing" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/></joint></robot>"""
+
 
 def test_what_rounding_leaves_of_a_torque_is_printed_as_none() -> None:
     """Where joint5 stands upright gravity asks 1.8e-16 N m of it."""
@@ -119,6 +125,16 @@ def test_a_joint_s_torque_is_what_its_gear_bears_against_the_link_s_friction_too
 def test_torques_are_of_one_place_or_of_a_motion(arguments: list[str], message: str) -> None:
     with pytest.raises(InputError, match=message):
         CliRunner().invoke(app, ["torque", "xia2019", *arguments], catch_exceptions=False)
+
+
+@pytest.mark.parametrize("kind", ["floating", "planar"])
+def test_a_motion_in_a_file_is_refused_where_a_joint_has_no_motor(kind: str, tmp_path: Path) -> None:
+    arm, motion = tmp_path / "arm.urdf", tmp_path / "move.csv"
+    arm.write_text(TWO_JOINTS.format(kind=kind), encoding="utf-8")
+    motion.write_text("t,swing\n" + "".join(f"{t / 10},0.5\n" for t in range(11)), encoding="utf-8")
+    joint = r"torque: a (floating base|planar joint) has no motor \('glide'\)"
+    with pytest.raises(InputError, match=rf"{joint}: a file .*; fix it in the robot file, or use Python"):
+        CliRunner().invoke(app, ["torque", str(arm), str(motion)], catch_exceptions=False)
 
 
 def test_what_is_to_be_done_about_coarse_samples_names_the_option(tmp_path: Path) -> None:

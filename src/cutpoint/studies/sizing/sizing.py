@@ -127,7 +127,7 @@ def _without_play(robot: Robot) -> Robot:
 
 
 def _check(robot: Robot, trajectory: Moves, dwell: float, period: float, life: float | None) -> None:
-    check_all_driven("sizing", robot, "only what a motor moves can be sized; fix it, or lock it")
+    check_all_driven("sizing", robot, "only what a motor moves can be sized; fix it in the robot file")
     check_trajectory("sizing", trajectory)
     positive("sizing", "trajectory.duration", trajectory.duration, "s")
     check_fits("sizing", trajectory, robot)
