@@ -25,6 +25,13 @@ def test_the_tighter_of_joint_and_drive_is_in_force() -> None:
     assert robot.limits["elbow"] == Limits()
 
 
+def test_positions_that_no_joint_reaches_limit_nothing() -> None:
+    """As files state them, 1e16 in SDF, for joints that turn on and on."""
+    robot = two_joints(shoulder=Drive(limits=Limits(-0.5)), elbow=Drive(limits=Limits(-1e16, 1e16)))
+    assert robot.limits["shoulder"] == Limits(-0.5, 2.0, velocity=3.0, effort=50.0)
+    assert robot.limits["elbow"] == Limits()
+
+
 @pytest.mark.parametrize(("current", "shoulder", "elbow"), [(None, 50.0, np.inf), (4.0, 40.0, 20.0), (9.0, 50.0, 45.0)])
 def test_a_motor_exerts_no_more_than_its_current_and_the_joint_allow(
     current: float | None, shoulder: float, elbow: float

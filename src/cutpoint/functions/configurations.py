@@ -8,10 +8,8 @@ import numpy as np
 from cutpoint.arrays import Array
 from cutpoint.mechanics.system import System
 from cutpoint.model import Joint, Mechanism
+from cutpoint.model.limits import ENDLESS
 from cutpoint.model.mechanism import Limits
-
-ENDLESS = 1e5
-"""rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
 
 
 def neutral(system: System) -> Array:

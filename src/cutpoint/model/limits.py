@@ -10,6 +10,9 @@ from cutpoint.model.drive import Drive
 from cutpoint.model.mechanism import Limits, Mechanism
 from cutpoint.model.validation import DEGREES_BEYOND
 
+ENDLESS = 1e5
+"""rad or m: limits beyond, as some files state them for joints that turn on and on, are none."""
+
 MILLIMETRES_BEYOND_LIMIT = 10.0
 """Times the widest limit of a joint that slides: beyond it, and a metre, a position is in mm."""
 
@@ -24,7 +27,7 @@ class DegreesWarning(UserWarning):
 def limits_in_force(mechanism: Mechanism, drives: Mapping[str, Drive]) -> dict[str, Limits]:
     """The tighter of a joint's limits and its drive's, by joint, in the order of the drives.
 
-    Efforts and speeds of 0 in a robot file, which stand for unknown ones, count as none.
+    Efforts and speeds of 0 in a robot file, which stand for unknown ones, count as none, and so do ENDLESS positions.
     """
     stated = {body.joint.name: body.joint.limits for body in mechanism.bodies}
     return {joint: _tighter(stated[joint], drive.limits) for joint, drive in drives.items()}
@@ -77,9 +80,10 @@ def _by_current(drive: Drive) -> float:
 
 
 def _tighter(joint: Limits, drive: Limits) -> Limits:
+    lower, upper = max(joint.lower, drive.lower), min(joint.upper, drive.upper)
     return Limits(
-        lower=max(joint.lower, drive.lower),
-        upper=min(joint.upper, drive.upper),
+        lower=lower if lower > -ENDLESS else -np.inf,
+        upper=upper if upper < ENDLESS else np.inf,
         velocity=min(joint.velocity or np.inf, drive.velocity),
         effort=min(joint.effort or np.inf, drive.effort),
     )
