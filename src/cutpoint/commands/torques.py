@@ -73,8 +73,6 @@ def torque(
     json: Json = None,
 ) -> None:
     """Torques that hold or move a robot and, with elastic drives, the motor positions they take."""
-    from cutpoint.control.laws.model_law import check_all_driven
-
     check_targets(output=output, plot=plot, json=json)
     loaded = robot.load(degrees=degrees)
     if trajectory is not None:
@@ -83,6 +81,8 @@ def torque(
             raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
         if json:
             raise InputError("torque: --json applies only to --q; save a motion's torques by --output")
+        from cutpoint.control.laws.model_law import check_all_driven
+
         check_all_driven("torque", loaded, "a file has motions of motors only; fix it in the robot file, or use Python")
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), duration, degrees)
         if output or plot:

@@ -14,9 +14,6 @@ from cutpoint.robot import Robot
 FREE_TURN, FREE_SLIDE = np.pi, 1.0
 """rad and m to either side of zero: the range of a joint without position limits."""
 
-UNBOUNDED = 1e6
-"""rad (m): position limits beyond are what files state for joints without any."""
-
 
 class Bounds(NamedTuple):
     """Limits of each joint, (n,): position from low to high, rad (m); the others symmetric, infinite if not stated."""
@@ -81,10 +78,9 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
     low = np.maximum(_each(robot, "position", first), [each.lower for each in stated])
     high = np.minimum(_each(robot, "position", last), [each.upper for each in stated])
     # a joint without limits is kept about zero, one with a single limit within the same distance of that
-    from_below, from_above = (np.abs(x) < UNBOUNDED for x in (low, high))
     low, high = (
-        np.where(from_below, low, np.where(from_above, high - 2.0 * free, -free)),
-        np.where(from_above, high, np.where(from_below, low + 2.0 * free, free)),
+        np.where(np.isfinite(low), low, np.where(np.isfinite(high), high - 2.0 * free, -free)),
+        np.where(np.isfinite(high), high, np.where(np.isfinite(low), low + 2.0 * free, free)),
     )
     for name, a, b in zip(robot.joints, low, high, strict=True):
         if not a < b:
