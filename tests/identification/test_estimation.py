@@ -581,3 +581,16 @@ def test_the_weight_of_a_joint_that_stands_still_is_its_bodies(held: float, seed
     found = identify_rigid(file, recording, solver="lmi_trace", friction="stated")
     assert not found["offset.shoulder"].told
     assert abs(found.model.offsets[0]) < 1e-5
+
+
+def test_a_brief_contact_in_a_log_without_noise_leaves_its_parameters_and_intervals():
+    wheel = Link("wheel", mass=2.0, com=np.zeros(3), inertia=0.5 * np.eye(3))
+    robot = Robot(build("bench", [Link("base"), wheel], [Joint("axle", "continuous", "base", "wheel")]))
+    times, rate = np.arange(10_000) * 1e-3, 1.4 * np.pi
+    q, v, a = (0.8 * rate**k * f(rate * times) for k, f in enumerate([np.sin, np.cos, lambda x: -np.sin(x)]))
+    torque = 0.5 * a + 2.0 * v
+    torque[3000:3050] += 1.0
+    recording = Recording(times, robot.joints, q=q[:, None], torque=torque[:, None])
+    found = identify_rigid(robot, recording, friction="stated")
+    assert found["viscous.axle"].value == pytest.approx(2.0, rel=1e-4)
+    assert np.isfinite(found["viscous.axle"].high)

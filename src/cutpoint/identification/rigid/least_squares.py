@@ -82,7 +82,8 @@ def _slope(residuals: Array, noise: Array) -> Array:
 
     It is 1 inside the edge and 0 beyond; here, the expected share inside for residuals as large as those nearby.
     """
-    size = np.sqrt(uniform_filter1d(residuals**2, NEARBY, axis=0))
+    # a running mean is below zero by its rounding, where small residuals follow far larger ones
+    size = np.sqrt(np.maximum(uniform_filter1d(residuals**2, NEARBY, axis=0), 0.0))
     share = erf(EDGE * noise / np.maximum(size, np.finfo(float).tiny) / np.sqrt(2.0))
     return np.asarray(np.sqrt(share) / noise)
 
