@@ -144,7 +144,7 @@ def test_what_is_not_told_of_a_spring_stays_as_its_file_states_it(files: Path, t
 def test_that_motors_lead_their_links_is_said_where_no_drive_bends(files: Path):
     given, rigid = wound(), {"drives": files / "rigid.yaml", "friction": "stated", "rotors": False}
     quiet = Recording(TIME, TRUTH.joints, **given | {"theta": given["q"] + 1e-5 * np.sin(TIME)[:, None]})
-    words = r"what theta leads q by changes \(shoulder 0\.0\d+ rad \(m\), elbow 0\.0\d+ rad \(m\)\), .*: springs=True"
+    words = r"what theta leads q by changes \(shoulder 0\.0\d+ rad, elbow 0\.0\d+ rad\), .*: springs=True"
     for log, springs, is_said in (
         (Recording(TIME, TRUTH.joints, **given), None, True),
         (Recording(TIME, TRUTH.joints, **given), False, False),
@@ -377,5 +377,8 @@ def test_a_joint_that_slides_has_the_units_of_one(tmp_path: Path):
     assert json.loads(numbers)["torque_units"] == ["N", "N m"]
     assert "RMS of torque errors, N or N m at the joint" in page
     assert "errors, N or N m at the joint" in str(table_of(found).title)
+    led = Recording(TIME, robot.joints, q=q, theta=q + 1e-3 * np.sin(TIME)[:, None], torque=torque)
+    noted = identify(robot, led, friction="stated", rotors=False).notes
+    assert any("what theta leads q by changes (shoulder 0.002 m, elbow 0.002 rad)" in words for words in noted)
     chosen = identify(robot, Recording(TIME, robot.joints, q=q, torque=torque)).rigid.friction
     assert [re.search("torques, (.*)\\)", str(each))[1] for each in chosen] == ["N", "N m"]  # type: ignore[index]

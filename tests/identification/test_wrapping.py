@@ -126,11 +126,19 @@ def test_what_is_no_sensor_of_turns_stays(kind: str):
     assert np.array_equal(read(values)["q"], values)
 
 
+ALONG = Joint("slide", "prismatic", "base", "carriage", axis=np.array([1.0, 0.0, 0.0]))
+SLIDE = Robot(build("slide", [Link("base"), Link("carriage", 1.0, np.zeros(3), np.eye(3))], [ALONG]))
+
+
+def test_a_turn_of_the_motor_of_a_joint_that_slides_is_a_length():
+    found = read(wrapped(50.0 * MOTION, TURN), "unit: rad, side: motor", "theta", SLIDE)
+    assert_whole(found, -MOTION, 1e-12, "theta")
+    assert re.search(r"'slide': \d+ jumps by a turn, 0\.1257 m at the joint, were unwrapped", found.notes[0])
+
+
 def test_links_that_slide_have_no_turns():
     metres = wrapped(MOTION, TURN)
-    along = Joint("slide", "prismatic", "base", "carriage", axis=np.array([1.0, 0.0, 0.0]))
-    slide = Robot(build("slide", [Link("base"), Link("carriage", 1.0, np.zeros(3), np.eye(3))], [along]))
     assert np.array_equal(read(metres, "unit: m")["q"], metres)
-    assert np.array_equal(read(metres, robot=slide)["q"], metres)
-    assert np.allclose(read(metres, "unit: mm", robot=slide)["q"], 1e-3 * metres, rtol=1e-15, atol=0.0)
+    assert np.array_equal(read(metres, robot=SLIDE)["q"], metres)
+    assert np.allclose(read(metres, "unit: mm", robot=SLIDE)["q"], 1e-3 * metres, rtol=1e-15, atol=0.0)
     assert_whole(read(metres), MOTION, 1e-12)

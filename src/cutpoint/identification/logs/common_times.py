@@ -37,7 +37,7 @@ def at_common_times(
         common = common or found
         for name, each in group.items():
             kept = np.where(np.isfinite(each.values), each.values, np.nan)[found.rows]
-            whole = unwrapped(name, found.times, kept, each.spans, joints, notes)
+            whole = unwrapped(name, found.times, kept, each.spans, each.slides, joints, notes)
             channels[name] = whole if found is common else _brought(name, whole, found, common, notes)
     assert common is not None
     return without_long_gaps(common.times, notes), channels, notes

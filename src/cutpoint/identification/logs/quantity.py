@@ -29,11 +29,13 @@ class Measured(NamedTuple):
     """A quantity in SI at the joint's side, values (N, n), and stamps (N,) if the log has separate ones for it.
 
     spans: (k, n), after which its sensor may wrap around; see `wrapping.spans`.
+    slides: (n,), which joints are known to be prismatic.
     """
 
     values: Array
     stamps: Array | None
     spans: Array
+    slides: NDArray[np.bool_]
 
 
 def columns_of(quantity: Mapped, table: Table) -> Columns:
@@ -113,7 +115,7 @@ def in_si(quantity: Mapped, columns: Columns, ratio: Array | None, slides: NDArr
             raise quantity.error("side", f"{name}.side 'motor' {rule}")
         factor = factor * ratio if name == "torque" else factor / ratio
     anew = np.where(slides & (sheet.side == "link"), np.nan, np.abs(factor) * spans(name, units, per_turn))
-    return Measured(columns.values * factor + offset, columns.stamps, anew)
+    return Measured(columns.values * factor + offset, columns.stamps, anew, slides)
 
 
 def sized(path: tuple[str, ...], given: Sequence[float], joints: int, section: Section) -> Array:

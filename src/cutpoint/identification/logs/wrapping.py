@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.model.stated_units import COUNTS, LENGTHS, UNITS
+from cutpoint.model.units import joint_unit
 
 TURN = 2.0 * np.pi
 
@@ -37,23 +39,34 @@ def spans(name: str, units: Sequence[str], per_turn: Array) -> Array:
     return found if name in ("q", "theta") else np.full_like(found, np.nan)
 
 
-def unwrapped(name: str, times: Array, values: Array, anew: Array, joints: Sequence[str], notes: list[str]) -> Array:
+def unwrapped(
+    name: str,
+    times: Array,
+    values: Array,
+    anew: Array,
+    slides: NDArray[np.bool_],
+    joints: Sequence[str],
+    notes: list[str],
+) -> Array:
     """Positions (N, n) without jumps by their sensors' spans, (k, n), with a note for each joint.
+
+    slides: (n,), which joints are prismatic.
 
     They continue from the first sample; if whole turns of the joint are indistinguishable, their middle is within half
     a turn of zero.
     """
     found = values.copy()
-    for joint, x, own in zip(joints, found.T, anew.T, strict=True):
+    for joint, x, own, is_slide in zip(joints, found.T, anew.T, slides.tolist(), strict=True):
         known = np.isfinite(x)
         place, jumps = _wraps(times[known], x[known], own)
         if not jumps.any():
             continue
         x[known] -= own[place] * np.concatenate([[0.0], np.cumsum(jumps)])
-        of_joint = bool(np.isclose(own[place], TURN))
+        of_joint = not is_slide and bool(np.isclose(own[place], TURN))
         if of_joint:
             x -= TURN * np.round(0.5 * (np.nanmin(x) + np.nanmax(x)) / TURN)
-        what = f"{COUNTERS[place - 1]:.0f} counts" if place else f"a turn, {own[0]:.4g} rad at the joint,"
+        turn = f"a turn, {own[0]:.4g} {joint_unit('rad', is_slide)} at the joint,"
+        what = f"{COUNTERS[place - 1]:.0f} counts" if place else turn
         zero = "" if of_joint else "; from its first sample on: if it had jumped before, state 'offset'"
         notes.append(f"{name} of {joint!r}: {np.abs(jumps).sum():.0f} jumps by {what} were unwrapped{zero}")
     return found

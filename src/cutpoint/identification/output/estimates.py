@@ -20,6 +20,7 @@ from cutpoint.identification.drives.torque_delay import delay_notes
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
+from cutpoint.joint_units import at_joints
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.robot import Robot
 
@@ -79,7 +80,7 @@ def estimates(
         return Estimates(rigid, None, doubts=gains, notes=(f"springs were not identified: {why}",))
     found = drives.joints.items()
     doubts = (*gains, *drives.doubts, *_late(drives, torque_delay))
-    notes = (*_coarse(drives), *_zeros(drives), *drives.notes)
+    notes = (*_coarse(drives), *_zeros(before, drives), *drives.notes)
     rotors = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
@@ -112,13 +113,14 @@ def _coarse(drives: DriveEstimates) -> tuple[str, ...]:
     return (f"{few}: below {FINE:g}, {then}",)
 
 
-def _zeros(drives: DriveEstimates) -> tuple[str, ...]:
+def _zeros(robot: Robot, drives: DriveEstimates) -> tuple[str, ...]:
     """A sentence if the encoders of motors and links have different zeros; without a spring nothing tells them."""
     springs = {joint: each.spring for joint, each in drives.joints.items() if "stiffness" not in each.unidentifiable}
     found = {joint: spring.offset for joint, spring in springs.items() if abs(spring.offset) > ZEROS}
     if not found:
         return ()
-    shown = ", ".join(f"{joint} {offset:.3g} rad (m)" for joint, offset in found.items())
+    units = at_joints(robot, "rad")
+    shown = ", ".join(f"{joint} {offset:.3g} {units[joint]}" for joint, offset in found.items())
     then = "weights come from the links' encoders, and are as wrong as their zeros"
     return (f"motors' encoders lead the links' where springs carry no load ({shown}): do their zeros agree?  {then}",)
 
@@ -152,7 +154,8 @@ def unsought(before: Robot, recording: Recording, springs: bool | None) -> tuple
     lead = recorded.theta - recorded.q
     known = lead[np.isfinite(lead).all(axis=1)]
     ranges = dict(zip(before.joints, np.ptp(known, axis=0).tolist() if len(known) else (), strict=False))
-    shown = ", ".join(f"{joint} {size:.2g} rad (m)" for joint, size in ranges.items() if size > BENDS)
+    units = at_joints(before, "rad")
+    shown = ", ".join(f"{joint} {size:.2g} {units[joint]}" for joint, size in ranges.items() if size > BENDS)
     if not shown:
         return ()
     words = f"what theta leads q by changes ({shown}), though no drive of the files bends"
