@@ -10,6 +10,7 @@ from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.functions.quaternions import check_quaternions, quaternions_of
 from cutpoint.model.limits import check_configuration
+from cutpoint.model.mechanism import DRIVEN_KINDS
 from cutpoint.robot import Robot
 
 A_ROBOT = "a Robot (cutpoint.load reads files)"
@@ -18,6 +19,16 @@ A_ROBOT = "a Robot (cutpoint.load reads files)"
 def check_robot(function: str, robot: Any) -> None:
     """Raises InputError for an argument that is no robot.  function: who asks."""
     door.check_kind(function, "robot", robot, Robot, A_ROBOT)
+
+
+def check_driven(function: str, robot: Robot) -> None:
+    """Raises InputError for a joint that no drive can move, such as a floating one.  function: who asks."""
+    mechanism = robot.mechanism
+    for joint in (body.joint for body in mechanism.bodies):
+        if joint.kind not in DRIVEN_KINDS and not (mechanism.coupled and joint.mimic):
+            what = f"no drive moves joint {joint.name!r} of robot {robot.name!r}, which is {joint.kind}"
+            remedy = "if it stands still, as a base on the ground, make it fixed in the robot's file"
+            raise InputError(f"{function}: {what}, and every joint must have one; {remedy}", joint=joint.name)
 
 
 def checked_pose(function: str, robot: Robot, q: ArrayLike) -> Array:

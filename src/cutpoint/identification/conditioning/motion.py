@@ -13,6 +13,7 @@ from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_driven
 
 DEAD = 5e-5
 """Share of the liveliest joint's torque variation: a torque that varies less carries no information."""
@@ -45,13 +46,9 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
     cutoff: by default where the positions fall below their noise, see `noise_cutoff`.  Where only one side of the gear
     was measured, it stands for both.
 
-    Raises InputError: joints that were not recorded, no positions, uneven times, speeds without a drive.
+    Raises InputError: joints that were not recorded, no positions, uneven times, joints without a drive.
     """
-    if robot.nv != len(robot.joints):
-        driven = f"{len(robot.joints)} drives and {robot.nv} speeds"
-        raise InputError(
-            f"robot {robot.name!r} has {driven}: identification needs a drive for each speed; lock the others"
-        )
+    check_driven("identify", robot)
     period, channels = recording.period, _channels(robot, recording)
     sides = {name: channels[name] for name in ("q", "theta") if name in channels}
     if not sides:

@@ -23,7 +23,7 @@ from cutpoint.joint_units import words_at
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_robot
+from cutpoint.robot_arguments import check_driven, check_robot
 
 INTERRUPTED = "Ctrl-C was pressed during the search"
 
@@ -107,9 +107,7 @@ def identify_drives(
     check_friction("identify_drives", robot, on_motors=Coulomb | Stribeck | Presliding)
     check_recording("identify_drives", recording)
     names = robot.joints
-    if robot.nq != len(names):
-        rule = "identification needs a drive for each coordinate; fix its base, or lock joints"
-        raise InputError(f"robot {robot.name!r} has {robot.nq} coordinates and {len(names)} drives: {rule}")
+    check_driven("identify_drives", robot)
     if missing := sorted(set(names) - set(recording.joints)):
         raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")
     recording = recording.in_order(names)

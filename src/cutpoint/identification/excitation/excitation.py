@@ -25,7 +25,7 @@ from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_robot
+from cutpoint.robot_arguments import check_driven, check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,7 +127,7 @@ def excitation(
     check_robot("excitation", robot)
     check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "a mapping of frame names to (low, high)")
     check_kind("excitation", "resume", resume, (str, PathLike, NoneType), "the path of a file")
-    _check_driven(robot)
+    check_driven("excitation", robot)
     duration, harmonics = positive("excitation", "duration", duration, "s"), _harmonics(harmonics)
     frequency = _frequency(duration, base_frequency)
     checked_name("criterion", criterion, get_args(Criterion))
@@ -192,12 +192,6 @@ def _frequency(duration: float, base_frequency: float | None) -> float:
             periods=periods,
         )
     return base_frequency
-
-
-def _check_driven(robot: Robot) -> None:
-    if not len(robot.joints) == robot.nv == robot.nq:
-        rule = "every joint must be driven and have one coordinate; a floating base cannot be commanded"
-        raise InputError(f"robot {robot.name!r} has {robot.nv} speeds and {len(robot.joints)} driven joints: {rule}")
 
 
 def _harmonics(count: int) -> int:
