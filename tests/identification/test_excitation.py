@@ -195,6 +195,10 @@ def test_a_resumed_search_goes_on_from_the_file_and_is_never_worse(tmp_path: Pat
     assert again.before is not None
     assert again.before.log_determinant == pytest.approx(first.after.log_determinant, rel=1e-9)
     assert f"the file's motion: log det {first.after.log_determinant:.1f}" in str(table_of(again).caption)
+    brief = excitation(two_joints(), 5.0, 3, **options | {"seconds": 1e-3})
+    assert brief.before == brief.after and "; none better was found: search longer" in str(table_of(brief).caption)
+    assert json.loads(file.read_text())["cost"] <= cost + 1e-6 * abs(cost)
+    assert "none better was found" not in str(table_of(first).caption)
     slower = excitation(two_joints(), 5.0, 3, **options, speed=0.5)
     assert slower.before is not None and slower.after.log_determinant < slower.before.log_determinant
     file.write_text(json.dumps(stored))

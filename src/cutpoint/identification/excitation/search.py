@@ -73,6 +73,8 @@ def search(
     with Bar("exciting", seconds) as bar:
         clock = _Clock(seconds, bar)
         try:
+            if begin is not None:  # as it is: a start is a little smaller
+                _consider(problem, begin, found, keep)
             while starts is None or found.starts < starts:
                 z = _within(problem, _random(problem, rng) if begin is None else begin, clock)
                 _consider(problem, z, found, keep)

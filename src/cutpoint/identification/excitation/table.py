@@ -32,7 +32,7 @@ def table_of(found: Excitation) -> Table:
         )
     first = "the file's motion" if found.resumed else "a random motion"
     began = "" if found.before is None else f"{first}: {_words(found.before)}; "
-    table.caption = f"{began}this one: {_words(found.after)}"
+    table.caption = f"{began}this one: {_words(found.after)}{_still(found)}"
     if found.untold:
         table.caption += f"\nit tells next to nothing about {listed(found.untold)}: too little of the torques"
     return table
@@ -51,6 +51,12 @@ def _share(use: Use) -> str:
         return "-"
     middle, reach = (use.high + use.low) / 2.0, (use.high - use.low) / 2.0
     return f"{max(use.largest - middle, middle - use.least) / reach:.1%}"
+
+
+def _still(found: Excitation) -> str:
+    """What to do if the search found nothing better than what it began with."""
+    better = found.before != found.after
+    return "" if better else "; none better was found: search longer (--seconds), with the same --output"
 
 
 def _words(quality: Quality) -> str:
