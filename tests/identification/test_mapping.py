@@ -330,6 +330,18 @@ def test_columns_that_are_named_otherwise_than_the_positions_are_refused():
         obvious_mapping(log)
 
 
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [("tau", r"every joint needs one: lock one .*--mimic coupled"), ("theta", "add a column without numbers")],
+)
+def test_what_to_do_for_a_joint_that_lacks_a_column_depends_on_the_quantity(name: str, remedy: str):
+    from cutpoint.identification.logs.mapping import obvious_mapping
+
+    log = table(**{"q.a": Q[:, 0], "q.b": Q[:, 1], f"{name}.b": TAU[:, 1]})
+    with pytest.raises(InputError, match=rf"'{name}.b': none of them matches 'q.a'; .*{remedy}"):
+        obvious_mapping(log)
+
+
 def test_labels_that_name_some_joints_must_name_all():
     log = table(q=Channel(Q, labels=("a", "b")), tau=Channel(TAU, labels=("b", "c")))
     with pytest.raises(CutpointError, match=r"torque has 2 columns, labelled 'b', 'c': .* one for each of a, b"):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from cutpoint.errors import InputError, listed
 from cutpoint.identification.logs.channel_names import JOINT_NAMES, KNOWN, NAMES, is_wished, letters, name_and_label
 from cutpoint.identification.logs.mapping_sheet import MappingSheet
+from cutpoint.identification.logs.recording import EFFORTS
 from cutpoint.identification.logs.table import Table
 
 
@@ -39,7 +40,7 @@ def default_mapping(table: Table, joints: Sequence[str]) -> MappingSheet:
     positions = groups[first].channels
     labels = _in_order(positions, joints)
     found = {
-        quantity: {"channels": _channels(positions, groups[name], labels, table)}
+        quantity: {"channels": _channels(quantity, positions, groups[name], labels, table)}
         for quantity, name in likeliest.items()
         if name
     }
@@ -92,7 +93,7 @@ def _in_order(group: Mapping[str, str], joints: Sequence[str]) -> list[str]:
     return sorted(group, key=int) if all(label.isdecimal() for label in group) else list(group)
 
 
-def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], table: Table) -> list[str]:
+def _channels(quantity: str, first: Mapping[str, str], group: Group, labels: Sequence[str], table: Table) -> list[str]:
     """A quantity's columns in the order of the position's.  Raises InputError."""
     own = group.channels
     if not set(labels) <= set(own):
@@ -101,7 +102,9 @@ def _channels(first: Mapping[str, str], group: Group, labels: Sequence[str], tab
             lacking = next(label for label in labels if label not in own)
             rule = f"none of them matches {first[lacking]!r}; use matching names, or give a mapping"
             if set(own) <= set(labels):
-                rule += "; for a joint that lacks one, add a column without numbers"
+                tied = "every joint needs one: lock one that has none (--lock), or tie a mimic joint (--mimic coupled)"
+                empty = "for a joint that lacks one, add a column without numbers"
+                rule += f"; {tied if quantity in EFFORTS else empty}"
             raise InputError(f"columns {listed(own.values())}: {rule}{table.besides}", place=table.file)
         labels = _in_order(own, ())
     found = [own[label] for label in labels]
