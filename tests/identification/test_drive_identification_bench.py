@@ -241,7 +241,7 @@ def test_what_few_samples_tell_has_intervals_that_hold_as_often_as_they_say():
 def test_what_a_fit_of_many_unknowns_leaves_of_white_noise_tells_its_size():
     rng = np.random.default_rng(3)
     columns, noise = rng.normal(size=(4000, 400)), rng.normal(size=4000)
-    spread = covariance(columns, noise - columns @ np.linalg.lstsq(columns, noise)[0])
+    spread = covariance(columns, noise - columns @ np.linalg.lstsq(columns, noise, rcond=None)[0])
     assert np.trace(spread) == pytest.approx(np.trace(np.linalg.inv(columns.T @ columns)), rel=0.1)
 
 

@@ -77,6 +77,16 @@ def test_python_objects_are_not_unpickled(tmp_path: Path):
         read_npz.read_npz(tmp_path / "log.npz")
 
 
+def test_a_type_in_a_parquet_file_is_not_unpickled(tmp_path: Path):
+    kind = {"ARROW:extension:name": "arrow.py_extension_type", "ARROW:extension:metadata": pickle.dumps(Bomb(), 0)}
+    fields = pyarrow.field("t", pyarrow.float64()), pyarrow.field("q", pyarrow.float64(), metadata=kind)
+    columns = pyarrow.table([[0.0, 1.0], [0.0, 1.0]], schema=pyarrow.schema(fields))
+    pyarrow.parquet.write_table(columns, tmp_path / "log.parquet")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the oldest pyarrow that refuses
+        assert "t" in read_table(tmp_path / "log.parquet").channels
+
+
 def test_an_array_that_promises_more_than_it_holds_is_refused(tmp_path: Path):
     header = io.BytesIO()
     about = {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}

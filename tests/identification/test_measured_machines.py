@@ -57,7 +57,7 @@ def test_the_conditioned_slide_gives_the_mass_and_friction_that_its_authors_foun
     v, a = (derivative(smooth["q"], smooth.period, order)[:, 0] for order in (1, 2))
     used = smooth.complete() & np.isfinite(a)
     regressors = np.column_stack([a, v, np.sign(v), np.ones_like(v)])[used]
-    found = np.linalg.lstsq(regressors, smooth["torque"][used, 0])[0]
+    found = np.linalg.lstsq(regressors, smooth["torque"][used, 0], rcond=None)[0]
     # Janot, Gautier, Brunot (2019): kg, N s/m, N, N; their filters differ, so a few percent
     assert found == pytest.approx([95.1089, 203.5034, 20.39, -3.16], rel=0.03)
 

@@ -117,7 +117,7 @@ class LawAtRest:
             slopes, off = np.vstack(differences(answer, x)), np.concatenate(answer(x))
             if not (np.isfinite(slopes).all() and np.isfinite(off).all()):
                 return
-            x = x - np.asarray(np.linalg.lstsq(slopes, off)[0], np.float64)
+            x = x - np.asarray(np.linalg.lstsq(slopes, off, rcond=None)[0], np.float64)
         self._shift, self.memory[free] = x[:n], x[n:]
 
 

@@ -97,7 +97,7 @@ def _delayed(y: Array, period: float, law: Law, used: NDArray[np.bool_]) -> Call
 
 def _fit(functions: Array, x: Array) -> tuple[Array, Array]:
     """Least-squares weights of the functions that fit x, and the residual."""
-    weights = np.linalg.lstsq(functions, x)[0].astype(np.float64)
+    weights = np.linalg.lstsq(functions, x, rcond=None)[0].astype(np.float64)
     return weights, x - functions @ weights
 
 

@@ -86,7 +86,7 @@ def _first(data: Deflections, law: SpringLaw, free: Array) -> DeflectionFit:
     constants = _searched(law, data.torque, data.lead, free)
     spring = law.deflection(constants, data.torque)
     target = data.lead - spring
-    weights = np.linalg.lstsq(free, target)[0].astype(np.float64)
+    weights = np.linalg.lstsq(free, target, rcond=None)[0].astype(np.float64)
     columns = np.column_stack([law.columns(constants, data.torque), free])
     tangent = np.asarray(law.spring(constants).tangent(spring))
     left = target - free @ weights

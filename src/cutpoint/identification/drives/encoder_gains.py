@@ -57,6 +57,6 @@ def _share(lead: Array, q: Array, v: Array, a: Array, load: Array, time: Array) 
     rubs = np.tanh(v / (AT_REST * np.sqrt(np.mean(v**2))))
     columns = np.column_stack([q, *wound, rubs, v, a, np.ones_like(q), time])
     columns /= np.linalg.norm(columns, axis=0) / np.linalg.norm(q)
-    weights = np.linalg.lstsq(columns, lead)[0]
+    weights = np.linalg.lstsq(columns, lead, rcond=None)[0]
     spread = covariance(columns, lead - columns @ weights)
     return float(weights[0]), float(np.sqrt(spread[0, 0]))

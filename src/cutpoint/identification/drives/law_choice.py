@@ -42,7 +42,7 @@ def block_errors(fit: DeflectionFit) -> Array:
     sides = [x.T @ y for x, y in zip(columns, targets, strict=True)]
     found = []
     for k, (x, y) in enumerate(zip(columns, targets, strict=True)):
-        weights, *_ = np.linalg.lstsq(sum(grams) - grams[k], sum(sides) - sides[k])
+        weights, *_ = np.linalg.lstsq(sum(grams) - grams[k], sum(sides) - sides[k], rcond=None)
         found.append(float(np.mean((y - x @ weights) ** 2)))
     return np.array(found)
 
@@ -67,7 +67,7 @@ def _error_without(block: NDArray[np.intp], law: SpringLaw, others: Array, targe
     some = kept[:: 1 + kept.size // SEARCHED]
     constants = fitted(law, torque[some], target[some], beside(others[some]), None)
     left = target - law.deflection(constants, torque)
-    weights, *_ = np.linalg.lstsq(others[kept].T @ others[kept], others[kept].T @ left[kept])
+    weights, *_ = np.linalg.lstsq(others[kept].T @ others[kept], others[kept].T @ left[kept], rcond=None)
     return float(np.mean((left[block] - others[block] @ weights) ** 2))
 
 

@@ -44,7 +44,7 @@ def link_friction(torque: Array, sliding: Array, period: float, cutoff: float) -
     passed = np.column_stack(low_pass_together([*sliding.T, np.ones_like(torque), torque], period, cutoff))
     passed = passed[np.isfinite(passed).all(axis=1)]
     columns = passed[:, :-1]
-    values = np.linalg.lstsq(columns, passed[:, -1])[0]
+    values = np.linalg.lstsq(columns, passed[:, -1], rcond=None)[0]
     spread = np.sqrt(np.diag(covariance(columns, passed[:, -1] - columns @ values)))
     coulomb, viscous, *_ = zip(values.tolist(), spread.tolist(), strict=True)
     return LinkFriction(coulomb, viscous)

@@ -217,7 +217,7 @@ def _play(torque: Array, middle: Array) -> tuple[float, float]:
     used = np.abs(torque) > INNER * torque[-1]
     x, y = torque[used] / torque[-1], middle[used]
     columns = np.column_stack([np.sign(x) / 2.0, x, x**3, np.ones_like(x)])
-    weights, *_ = np.linalg.lstsq(columns, y)
+    weights, *_ = np.linalg.lstsq(columns, y, rcond=None)
     left = y - columns @ weights
     # the curve is smooth: its departures from the cubic are not noise, so the largest counts in full
     error = float(np.abs(left).max()) + float(np.std(left)) / np.sqrt(x.size)

@@ -193,7 +193,7 @@ def _estimate(
 def _sign(passed: Array, column: int) -> float:
     """Sign of the gain, by least squares: friction dissipates energy only with the right one."""
     known = passed[np.isfinite(passed).all(axis=1)]
-    return -1.0 if np.linalg.lstsq(known[:, :-1], known[:, -1])[0][column] < 0.0 else 1.0
+    return -1.0 if np.linalg.lstsq(known[:, :-1], known[:, -1], rcond=None)[0][column] < 0.0 else 1.0
 
 
 def _by_gain(names: tuple[str, ...], weights: Array, spread: Array, sign: float) -> tuple[Array, Array]:

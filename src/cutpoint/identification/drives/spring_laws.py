@@ -132,7 +132,7 @@ def _catalogue_starts(torque: Array, rest: Array, compliance: float, project: Pr
     for first, second in combinations(largest * np.array(CORNERS), 2):
         low, middle = np.clip(torque, -first, first), np.clip(torque, -second, second)
         columns = np.column_stack([project(part) for part in (low, middle - low, torque - middle)])
-        compliances, *_ = np.linalg.lstsq(columns, target)
+        compliances, *_ = np.linalg.lstsq(columns, target, rcond=None)
         if compliances.min() > LEAST * compliances.max():
             error = float(np.sum((target - columns @ compliances) ** 2))
             found.append((error, np.array([*(1.0 / compliances), first, second - first])))

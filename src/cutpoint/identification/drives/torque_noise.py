@@ -65,7 +65,7 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
     softer = float(instrument @ fit.residual / (instrument @ alone))
     if abs(softer) > 1.0 / RELIABLE - 1.0:  # more than noise can hide: the spring cannot be separated from the rest
         return fit
-    weights = np.linalg.lstsq(columns, fit.residual - softer * deflection)[0]
+    weights = np.linalg.lstsq(columns, fit.residual - softer * deflection, rcond=None)[0]
     step = np.zeros(fit.columns.shape[1])
     step[:count] = fit.constants[:count] * (1.0 / (1.0 + softer) - 1.0)
     step[beside] = weights / size
@@ -74,4 +74,4 @@ def _softened(data: Deflections, fit: DeflectionFit, torque: Array) -> Deflectio
 
 def _beside(columns: Array, values: Array) -> Array:
     """The part of values (N,) that the columns (N, k) do not explain."""
-    return np.asarray(values - columns @ np.linalg.lstsq(columns, values)[0])
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])

@@ -184,7 +184,7 @@ def _factor(found: Array, expected: Array, time: Array) -> float | None:
     if known.sum() < 4 or _is_constant(found[known]) or _is_constant(expected[known]):
         return None
     regressors = np.column_stack([expected, np.ones_like(time), time])[known]
-    return float(np.linalg.lstsq(regressors, found[known])[0][0])
+    return float(np.linalg.lstsq(regressors, found[known], rcond=None)[0][0])
 
 
 def _multiple(found: Array, expected: Array, time: Array) -> float | None:

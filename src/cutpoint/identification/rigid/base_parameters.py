@@ -100,7 +100,7 @@ def base_parameters(robot: Robot, *, rotors: bool | Collection[str] = False) -> 
     felt = length > TOLERANCE * length.max()
     scaled = np.where(felt, W, 0.0) / np.where(felt, length, 1.0)
     kept = _independent(scaled, _preferred(robot, W.shape[1]))
-    share = np.linalg.lstsq(scaled[:, kept], scaled)[0]
+    share = np.linalg.lstsq(scaled[:, kept], scaled, rcond=None)[0]
     share[np.abs(share) < ROUNDED_SHARE] = 0.0
     share[:, kept] = np.eye(len(kept))
     matrix = share * np.where(felt, length, 0.0) / length[kept, None]

@@ -31,7 +31,7 @@ def solve(fit: Fit) -> Array:
     bodies, rotors, others = np.zeros(10 * fit.bodies.count), np.ones(fit.scale.size), np.zeros(fit.positive.size)
     # friction starts at least squares with all else as in the file
     files = _unknowns(fit, np.concatenate([bodies, rotors, others]))
-    others = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ files)[0]
+    others = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ files, rcond=None)[0]
     start = np.concatenate([bodies, rotors, others])
     low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
     high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
