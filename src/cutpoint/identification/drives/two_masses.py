@@ -36,5 +36,6 @@ class TwoMasses(NamedTuple):
         A[3] = np.array([K, D, -K, -D - f_m, 1.0]) / J
         held = expm(A * period)
         z = np.exp(2j * np.pi * frequencies * period)
-        states = np.linalg.solve(z[:, None, None] * np.eye(4) - held[:4, :4], held[:4, 4:])
+        # a column for each frequency: NumPy 1.26 would take a single column for vectors
+        states = np.linalg.solve(z[:, None, None] * np.eye(4) - held[:4, :4], held[None, :4, 4:])
         return states[:, 2, 0].astype(np.complex128)
