@@ -567,7 +567,7 @@ def test_ranges_that_look_like_degrees_are_warned_of() -> None:
 
 def test_without_mujoco_the_message_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(ModelError, match=r'needs the mujoco package, 3.2.7 or later: pip install "cutpoint\[mjcf\]"'):
+    with pytest.raises(ModelError, match=r'needs the mujoco package, 3.3.1 or later: pip install "cutpoint\[mjcf\]"'):
         parse_mjcf(one_body(""))
 
 

@@ -99,7 +99,7 @@ def package(place: str) -> Any:
     try:
         import mujoco
     except ImportError as problem:
-        complaint = 'an MJCF file needs the mujoco package, 3.2.7 or later: pip install "cutpoint[mjcf]"'
+        complaint = 'an MJCF file needs the mujoco package, 3.3.1 or later: pip install "cutpoint[mjcf]"'
         raise ModelError(complaint, place=place) from problem
     return mujoco
 
