@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cutpoint.door import are_plain_vectors, check_kind, checked_array, checked_name
-from cutpoint.errors import InputError, listed
+from cutpoint.errors import InputError
 
 
 def checked_wrenches(
@@ -43,7 +43,8 @@ def wrong_motion(function: str, given: int, needed: int) -> InputError:
     """An error for a motion with too few or too many derivatives of the position."""
     names = motion_names(max(given, needed)).split()
     if given < needed:
-        missing = f"{given} are given, {listed(names[given + 1 :])} missing"
+        ends = dict.fromkeys((names[given + 1], names[needed]))
+        missing = f"{given} are given, {' to '.join(ends)} missing"
         remedy = f"rotors with full coupling take {needed}; or use quasi_rigid=True"
         told = f"{function}: {needed - given} more derivatives of the position are needed: {missing}: {remedy}"
     else:
