@@ -300,6 +300,7 @@ def test_a_file_that_tells_of_something_else_is_refused_by_its_name(tmp_path: Pa
         ({"seed": -1}, r"seed -1 must be a whole number, at least 0"),
         ({"seconds": None}, r"seconds must be one number, s"),
         ({"criterion": ["trace"]}, r"no criterion is named"),
+        ({"position": (1.0, 1.0)}, r"position limits 1 and 1 leave no range: .*; correct them, or lock"),
         ({"position": 1.0}, r"position must be \(low, high\)"),
         ({"boxes": [1.0]}, r"boxes must be a mapping of frame names to \(low, high\)"),
         ({"resume": 3}, r"resume must be the path of a file, got 3"),

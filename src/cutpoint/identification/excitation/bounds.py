@@ -84,7 +84,7 @@ def _positions(robot: Robot, position: tuple[ArrayLike, ArrayLike] | None) -> tu
     )
     for name, a, b in zip(robot.joints, low, high, strict=True):
         if not a < b:
-            rule = "the first must be smaller, to leave room to move"
+            rule = "the first must be smaller; correct them, or lock a joint that does not move (lock=, --lock)"
             raise InputError(f"joint {name!r}: position limits {a:g} and {b:g} leave no range: {rule}", joint=name)
     return low, high
 
