@@ -10,10 +10,12 @@ from cutpoint.arrays import Array
 from cutpoint.errors import InputError
 from cutpoint.functions.quaternions import check_quaternions, quaternions_of
 from cutpoint.model.limits import check_configuration
-from cutpoint.model.mechanism import DRIVEN_KINDS
 from cutpoint.robot import Robot
 
 A_ROBOT = "a Robot (cutpoint.load reads files)"
+
+STANDS = "every joint must have one; if it stands still, as a base on the ground, make it fixed in the robot file"
+"""Why identification asks for motors, and what to do."""
 
 
 def check_robot(function: str, robot: Any) -> None:
@@ -21,14 +23,17 @@ def check_robot(function: str, robot: Any) -> None:
     door.check_kind(function, "robot", robot, Robot, A_ROBOT)
 
 
-def check_driven(function: str, robot: Robot) -> None:
-    """Raises InputError for a joint that no drive can move, such as a floating one.  function: who asks."""
-    mechanism = robot.mechanism
-    for joint in (body.joint for body in mechanism.bodies):
-        if joint.kind not in DRIVEN_KINDS and not (mechanism.coupled and joint.mimic):
-            what = f"no drive moves joint {joint.name!r} of robot {robot.name!r}, which is {joint.kind}"
-            remedy = "if it stands still, as a base on the ground, make it fixed in the robot's file"
-            raise InputError(f"{function}: {what}, and every joint must have one; {remedy}", joint=joint.name)
+def check_all_driven(name: str, robot: Robot, rule: str) -> None:
+    """Raises InputError for anything but a robot, and if a joint has no drive.
+
+    name: the caller.  rule: why that matters, and what to do.
+    """
+    check_robot(name, robot)
+    driven = {d.v for d in robot.machine.drives}
+    for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
+        if own.v.start not in driven:
+            what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
+            raise InputError(f"{name}: {what} has no motor ({body.joint.name!r}): {rule}", joint=body.joint.name)
 
 
 def checked_pose(function: str, robot: Robot, q: ArrayLike) -> Array:

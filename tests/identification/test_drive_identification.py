@@ -227,7 +227,7 @@ def test_every_joint_must_be_recorded(arm: Case):
 
 def test_a_robot_of_which_not_every_coordinate_has_a_drive_is_refused(arm: Case):
     floating = cutpoint.load(cutpoint.robots.XIA2019_URDF, floating_base=True)
-    words = "no drive moves joint .*, which is floating, .* make it fixed in the robot's file"
+    words = r"a floating base has no motor \(.*\): .* make it fixed in the robot file"
     for identified in (identify_drives, identify_rigid):
         with pytest.raises(InputError, match=words):
             identified(floating, arm.recording)

@@ -350,7 +350,7 @@ def test_a_joint_without_a_limit_of_speed_is_refused() -> None:
 
 
 def test_a_floating_base_is_refused() -> None:
-    with pytest.raises(cutpoint.InputError, match=r"no drive moves joint .*, which is floating, .* make it fixed"):
+    with pytest.raises(cutpoint.InputError, match=r"a floating base has no motor \(.*\): .* make it fixed"):
         excitation(robot("floating"))
 
 

@@ -31,6 +31,7 @@ from cutpoint.joint_units import at_joints
 from cutpoint.mechanics.elastic_inverse import ElasticTorques
 from cutpoint.model.limits import check_configuration
 from cutpoint.reporting.fitting import print_table
+from cutpoint.robot_arguments import check_all_driven
 
 CHANNELS = {
     "q": "rad", "v": "rad/s", "a": "rad/s2", "joint_torque": "N m", "motor_torque": "N m", "theta": "rad",
@@ -81,8 +82,6 @@ def torque(
             raise InputError(f"trajectory {str(trajectory)!r} is already a motion: {rule}")
         if json:
             raise InputError("torque: --json applies only to --q; save a motion's torques by --output")
-        from cutpoint.control.laws.model_law import check_all_driven
-
         check_all_driven("torque", loaded, "a file has motions of motors only; fix it in the robot file, or use Python")
         motion = motion_of(loaded, trajectory, smoothing, ("", ""), duration, degrees)
         if output or plot:

@@ -15,7 +15,7 @@ from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_robot
+from cutpoint.robot_arguments import check_all_driven
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class ModelLaw(Law):
     parameters: Any = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_all_driven(type(self).__name__, self.robot)
+        check_all_driven(type(self).__name__, self.robot, OF_LAWS)
         own = self.robot.drive_parameters
         if self.parameters is None:
             self._set(parameters=own)
@@ -60,19 +60,6 @@ class ModelLaw(Law):
 
 
 OF_LAWS = "laws only receive measurements of joints with motors; PD and PID with your own gains work without"
-
-
-def check_all_driven(name: str, robot: Robot, rule: str = OF_LAWS) -> None:
-    """Raises InputError for anything but a robot, and if a joint has no drive.
-
-    name: the caller.  rule: why that matters, and what to do.
-    """
-    check_robot(name, robot)
-    driven = {d.v for d in robot.machine.drives}
-    for body, own in zip(robot.mechanism.bodies, robot.machine.system.segments, strict=True):
-        if own.v.start not in driven:
-            what = "a floating base" if body.joint.kind == "floating" else f"a {body.joint.kind} joint"
-            raise InputError(f"{name}: {what} has no motor ({body.joint.name!r}): {rule}", joint=body.joint.name)
 
 
 def check_no_full_coupling(law: str, robot: Robot, remedy: str) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cutpoint.arrays import Array
 from cutpoint.control.interface import SENSED, Control, name_of
 from cutpoint.control.law import as_law, check_drives
-from cutpoint.control.laws.model_law import ModelLaw, check_all_driven, with_models
+from cutpoint.control.laws.model_law import OF_LAWS, ModelLaw, with_models
 from cutpoint.control.own_law import check_encoders, fields_read, innermost, own_parts, traced
 from cutpoint.control.sensors import SAMPLED, Encoders, Sensors, encoders_of
 from cutpoint.control.stability.law_at_rest import LawAtRest, Slopes, differences
@@ -21,7 +21,7 @@ from cutpoint.mechanics.drives.friction import Coulomb, Sliding
 from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.model.drive import Drive, Friction
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import checked_pose
+from cutpoint.robot_arguments import check_all_driven, checked_pose
 from cutpoint.scalars import rebuild
 
 if TYPE_CHECKING:
@@ -227,7 +227,7 @@ def small_signal(robot: Robot, law: Control, q: ArrayLike, period: float) -> Sma
 
 def _checked(function: str, robot: Robot, law: Control, q: ArrayLike) -> tuple[Robot, Array, Any]:
     """The robot and the law with drives as they count here, and the pose."""
-    check_all_driven(function, robot)
+    check_all_driven(function, robot, OF_LAWS)
     made = as_law(law)
     check_drives(made, robot.joints)
     for part in innermost(made):

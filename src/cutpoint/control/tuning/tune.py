@@ -7,7 +7,7 @@ from typing import Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cutpoint.control.laws.model_law import check_all_driven
+from cutpoint.control.laws.model_law import OF_LAWS
 from cutpoint.control.laws.pd import PD
 from cutpoint.control.sensors import Sensors
 from cutpoint.control.tuning.design import Design, design_of
@@ -16,7 +16,7 @@ from cutpoint.control.tuning.recipes import RECIPES
 from cutpoint.door import check_kind, positive
 from cutpoint.errors import InputError, unknown_name
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import checked_pose
+from cutpoint.robot_arguments import check_all_driven, checked_pose
 
 L = TypeVar("L")
 
@@ -83,7 +83,7 @@ def tune(
             control_period (s), has a pole that grows faster than dry friction stops; the message names the joint, its
             frequency and remedies.  `SuperTwisting` is not tested.  Or a joint, such as a floating base, has no motor.
     """
-    check_all_driven("tune", robot)
+    check_all_driven("tune", robot, OF_LAWS)
     check_kind("tune", "law", law, type, "a law's class, such as cutpoint.control.PD")
     bandwidth = positive("tune", "bandwidth", bandwidth, "Hz")
     damping, period = positive("tune", "damping", damping), positive("tune", "control_period", control_period, "s")

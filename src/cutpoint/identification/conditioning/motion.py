@@ -13,7 +13,7 @@ from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.mechanics.drives.friction import Sliding
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_driven
+from cutpoint.robot_arguments import STANDS, check_all_driven
 
 DEAD = 5e-5
 """Share of the liveliest joint's torque variation: a torque that varies less carries no information."""
@@ -48,7 +48,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
 
     Raises InputError: joints that were not recorded, no positions, uneven times, joints without a drive.
     """
-    check_driven("identify", robot)
+    check_all_driven("identify", robot, STANDS)
     period, channels = recording.period, _channels(robot, recording)
     sides = {name: channels[name] for name in ("q", "theta") if name in channels}
     if not sides:

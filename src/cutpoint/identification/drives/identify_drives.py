@@ -23,7 +23,7 @@ from cutpoint.joint_units import words_at
 from cutpoint.mechanics.drives.friction import Coulomb, Stribeck
 from cutpoint.mechanics.drives.presliding import Presliding
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_driven, check_robot
+from cutpoint.robot_arguments import STANDS, check_all_driven, check_robot
 
 INTERRUPTED = "Ctrl-C was pressed during the search"
 
@@ -107,7 +107,7 @@ def identify_drives(
     check_friction("identify_drives", robot, on_motors=Coulomb | Stribeck | Presliding)
     check_recording("identify_drives", recording)
     names = robot.joints
-    check_driven("identify_drives", robot)
+    check_all_driven("identify_drives", robot, STANDS)
     if missing := sorted(set(names) - set(recording.joints)):
         raise InputError(f"identify_drives: every joint must be recorded; missing: {missing}")
     recording = recording.in_order(names)

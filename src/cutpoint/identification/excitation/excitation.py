@@ -25,7 +25,7 @@ from cutpoint.identification.excitation.search import Found, search
 from cutpoint.identification.excitation.series import FourierSeries
 from cutpoint.identification.one_thread import by_one_thread
 from cutpoint.robot import Robot
-from cutpoint.robot_arguments import check_driven, check_robot
+from cutpoint.robot_arguments import STANDS, check_all_driven, check_robot
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -122,12 +122,13 @@ def excitation(
 
     Raises:
         InputError: an argument is wrong, a joint's speed is not limited, the file tells of another robot or series, or
-            no motion that keeps all limits was found; then it names limit and joint.
+            no motion within all limits that tells of most parameters was found; it names limit and joint, or a
+            parameter.
     """
     check_robot("excitation", robot)
     check_kind("excitation", "boxes", boxes, (Mapping, NoneType), "a mapping of frame names to (low, high)")
     check_kind("excitation", "resume", resume, (str, PathLike, NoneType), "the path of a file")
-    check_driven("excitation", robot)
+    check_all_driven("excitation", robot, STANDS)
     duration, harmonics = positive("excitation", "duration", duration, "s"), _harmonics(harmonics)
     frequency = _frequency(duration, base_frequency)
     checked_name("criterion", criterion, get_args(Criterion))

@@ -67,7 +67,8 @@ def search(
 
     begin: the first start, random if not given.  keep: called on every improvement, with z and its cost.
 
-    Raises InputError, which names the limit and the joint, if no motion within all limits was found.
+    Raises InputError, which names limit and joint, or a parameter, if no motion within all limits was found that tells
+    of most parameters.
     """
     found, rng = Found(), np.random.default_rng(seed)
     with Bar("exciting", seconds) as bar:

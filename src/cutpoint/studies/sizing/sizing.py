@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cutpoint.control.laws.model_law import check_all_driven
 from cutpoint.door import number, path_of, positive
 from cutpoint.errors import InputError
 from cutpoint.files import replacing
@@ -16,6 +15,7 @@ from cutpoint.mechanics.drives.backlash import spring_of
 from cutpoint.model.limits import check_configuration
 from cutpoint.reporting.numbers import json_bytes, json_values
 from cutpoint.robot import Robot
+from cutpoint.robot_arguments import check_all_driven
 from cutpoint.simulation.inputs import check_fits
 from cutpoint.studies.sizing.drive_sizing import DriveSizing, drive_sizing
 from cutpoint.studies.sizing.load import Load, sampled
