@@ -20,7 +20,8 @@ class Recipe(NamedTuple):
 
     inputs: those that are given; the others are zero.  most_bodies: the most bodies, of the robot or of the chain that
     carries the frame, for which straight-line code is used.  pairs: the most pairs of a body and a speed that moves
-    it, where the code grows with these.  reads_drives: whether it uses drives' numbers.
+    it, where the code grows with these, or where only chains are faster as loops.  reads_drives: whether it uses
+    drives' numbers.
     unsupported_inputs: those of its variants that loops do not support.  takes_coupled, takes_geared: whether it
     supports rotors with full coupling, behind springs or geared rigidly; takes_base: also with a floating base.
     is_rooted: whether it computes each tree about its first joint.  reads_user_axes: whether it uses the bodies'
@@ -70,8 +71,8 @@ DERIVATIVES = "inverse_dynamics_derivatives"
 """Of rigid dynamics; those of forward dynamics follow from them."""
 
 RECIPES: Mapping[Any, Recipe] = {
-    "inverse_dynamics": Recipe(inverse.inverse_dynamics, ("q", "v", "a"), ("tau",), 96),
-    "bias_forces": Recipe(inverse.inverse_dynamics, ("q", "v"), ("tau",), 96),
+    "inverse_dynamics": Recipe(inverse.inverse_dynamics, ("q", "v", "a"), ("tau",), 96, pairs=1500),
+    "bias_forces": Recipe(inverse.inverse_dynamics, ("q", "v"), ("tau",), 96, pairs=1500),
     "gravity_forces": Recipe(inverse.inverse_dynamics, ("q",), ("tau",), 96),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, pairs=1000),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, pairs=500, is_rooted=True),
