@@ -23,7 +23,7 @@ from cutpoint.model.build import build
 from cutpoint.model.drive import Rotor
 from cutpoint.rolled import RECIPES, RolledFunction
 from cutpoint.rolled import rolled as suited_to
-from cutpoint.rolled.bodies import Columns, rows_of
+from cutpoint.rolled.bodies import columns_of
 from cutpoint.rolled.passes import one_by_one, side_by_side
 from large_robots import assert_close, chain, longest
 from random_trees import random_tree
@@ -46,10 +46,21 @@ def rolled(robot: Robot, name: str, backend: str) -> RolledFunction:
     return RolledFunction(name, robot.machine, backend)
 
 
+def in_steps_of_1_m(size: int) -> Mechanism:
+    """A planar chain whose joints are placed alike, so that code needs no number to know where they are."""
+    step = np.eye(4)
+    step[0, 3] = 1.0
+    links = [Link("world"), *(Link(f"link{k}", 1.0 + k, (0.5, 0.0, 0.0), np.eye(3)) for k in range(size))]
+    ends = [link.name for link in links]
+    joints = [Joint(f"joint{k}", "continuous", ends[k], ends[k + 1], step) for k in range(size)]
+    return build("steps", links, joints)
+
+
 TREES = {
     "one body": chain(1),
     "tree of 20": random_tree(1, 20),
     "chain of 20": chain(20),
+    "steps of 1 m": in_steps_of_1_m(6),
     "slides alone": chain(6, ("prismatic",)),
     "screws and turns": chain(20, ("helical", "revolute", "prismatic")),
 }
@@ -147,7 +158,7 @@ def test_code_is_as_long_for_ten_bodies_as_for_a_thousand() -> None:
     for name, arrangements in {**dict.fromkeys(DYNAMICS, both), "mass_matrix": (one_by_one,)}.items():
         texts = []
         for size in (10, 1000):
-            columns = Columns(rows_of(machine_of(chain(size), {}).system))
+            columns = columns_of(machine_of(chain(size), {}).system)
             built = [arranged(RECIPES[name].steps(columns), columns, 8) for arranged in arrangements]
             texts.append([program_ir(plan(x.body, x.regions)) for x in built])
         assert texts[0] == texts[1]
@@ -158,11 +169,11 @@ from cutpoint.functions.compiled import machine_of
 from cutpoint.kernels.programs.compiled import program_ir
 from cutpoint.kernels.programs.plan import plan
 from cutpoint.rolled import RECIPES
-from cutpoint.rolled.bodies import Columns, rows_of
+from cutpoint.rolled.bodies import columns_of
 from cutpoint.rolled.passes import one_by_one
 from large_robots import chain
 
-columns = Columns(rows_of(machine_of(chain(10), {}).system))
+columns = columns_of(machine_of(chain(10), {}).system)
 for name in ("inverse_dynamics", "forward_dynamics", "mass_matrix"):
     built = one_by_one(RECIPES[name].steps(columns), columns, 8)
     print(program_ir(plan(built.body, built.regions)))

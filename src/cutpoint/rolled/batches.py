@@ -47,7 +47,7 @@ class Batches:
             return self._task.sums.rows
         if name in steps.matrices:
             return n * n
-        return n + 2 if name in steps.kept else n if name in (*steps.numbers, "body") else 1
+        return n + 2 if name in steps.kept else n if name in (*steps.numbers, *self._task.columns.read) else 1
 
     @cached_property
     def _program(self) -> Program:
@@ -68,8 +68,12 @@ class Batches:
 
     def _side_by_side(self) -> ProgramRows:
         task, lanes = self._task, self._one.lanes
-        arrays = {r.name: aligned(self._rows(r.name) * r.size).reshape(-1, r.size) for r in self._loops.regions}
-        arrays["body"][:] = task.columns.read
+        arrays = {
+            r.name: aligned(self._rows(r.name) * r.size).reshape(self._rows(r.name), r.size)
+            for r in self._loops.regions
+        }
+        for name, numbers in task.columns.read.items():
+            arrays[name][:] = numbers
         for name, numbers in task.world.items():
             arrays[name][task.bodies].reshape(-1, lanes)[: len(numbers)] = numbers[:, None]
         lists, of_pairs = task.pairs(1) if task.steps.matrices else ({}, {})

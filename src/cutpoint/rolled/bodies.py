@@ -7,25 +7,29 @@ are read.  So the same code, of fixed size, serves trees of any size.
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 
 from cutpoint.mechanics.bodies.joints import Helical, Prismatic
 from cutpoint.mechanics.bodies.rigid_body import inertia_of, parameters_of
 from cutpoint.mechanics.bodies.rotors import Spin
-from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Mat3, Pose, Vec3
+from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, IDENTITY, ZERO, Mat3, Pose, Vec3
 from cutpoint.mechanics.system import Driven, Place, Segment, System
 from cutpoint.model.mechanism import WORLD
 from cutpoint.rolled.drives import Model, drive_rows, models_of
-from cutpoint.rolled.packing import mat3_of, pose_by_columns
+from cutpoint.rolled.packing import flat, mat3_of, pose_by_columns, pose_of
 from cutpoint.rolled.subsystem import OneAxis, Subsystem
 from cutpoint.scalars import Scalar, is_plain_zero, rebuild, where
 
+MOUNTING = 12
+"""Numbers of the joint's place in the parent: its rotation and position."""
+
 FIELDS = {
-    "rotation": 9, "position": 3, "inertia": 10, "screw": 2, "armature": 1, "rotor's axis": 3, "geared momentum": 1,
+    "inertia": 10, "screw": 2, "armature": 1, "rotor's axis": 3, "geared momentum": 1,
     "sprung momentum": 1, "sprung inertia": 1, "number": 1, "last carried": 1,
 }  # fmt: skip
-"""What a body's row consists of, in order, and how many numbers each takes; those of its drive follow.
+"""What a body's row consists of after these, in order, and how many numbers each takes; those of its drive follow.
 
 A rotor's momentum is that at unit speed: of one rigidly geared, or of one behind a spring.
 """
@@ -36,7 +40,7 @@ BODY, SPRUNG = _ENDS["last carried"], _ENDS["sprung momentum"] - 1
 BASE = -2
 """Where a body's number is asked for, a base that moves freely."""
 
-BASE_NUMBERS = sum(FIELDS[name] for name in ("rotation", "position", "inertia", "last carried"))
+BASE_NUMBERS = MOUNTING + FIELDS["inertia"] + FIELDS["last carried"]
 """Of a base that moves freely."""
 
 
@@ -75,25 +79,19 @@ def place_of(system: System, frame: str) -> Place:
 
 def base_row(system: System) -> np.ndarray:
     """(BASE_NUMBERS,) the base's numbers."""
-    X, M = system.segments[0].placement, system.segments[0].inertia
-    placed = (*(x for row in X.rotation for x in row), *X.position)
-    return np.array([*placed, *parameters_of(M), _last_carried(system)[0] - 1.0])
-
-
-def rows_of(system: System, drives: Sequence[Driven] = ()) -> np.ndarray:
-    """(n, BODY and more) each body's numbers, in the order of `subsystem`, and its drive's, if drives are given."""
-    spins, last, bodies = {spin.joint: spin for spin in system.spins}, _last_carried(system), bodies_of(system)
-    rows = [[*_row(system, i, spins.get(i)), i - bodies.start, last[i] - bodies.start] for i in bodies]
-    return np.hstack([np.array(rows, dtype=np.float64), drive_rows(bodies, drives)])
+    base = system.segments[0]
+    return np.array([*_mounting(base), *parameters_of(base.inertia), _last_carried(system)[0] - 1.0])
 
 
 def columns_of(system: System, drives: Sequence[Driven] = (), *, user_axes: bool = False) -> "Columns":
-    """user_axes: whether `Columns.to_user_axes` will be used."""
-    base, rows = base_of(system), rows_of(system, drives)
+    """drives: those whose numbers are read.  user_axes: whether `Columns.to_user_axes` will be used."""
+    spins, last, bodies = {spin.joint: spin for spin in system.spins}, _last_carried(system), bodies_of(system)
+    mountings = [_mounting(system.segments[i]) for i in bodies]
+    rows = [[*_row(system, i, spins.get(i)), i - bodies.start, last[i] - bodies.start] for i in bodies]
+    own = np.hstack([np.array(rows, dtype=np.float64), drive_rows(bodies, drives)])
     if user_axes:
-        own = [[x for row in system.segments[i].to_user_axes for x in row] for i in bodies_of(system)]
-        rows = np.hstack([rows, np.array(own, dtype=np.float64)])
-    return Columns(rows, models_of(bodies_of(system), drives), base)
+        own = np.hstack([own, [[x for row in system.segments[i].to_user_axes for x in row] for i in bodies]])
+    return Columns(np.array(mountings, dtype=np.float64), own, models_of(bodies, drives), base_of(system))
 
 
 def _last_carried(system: System) -> list[int]:
@@ -105,13 +103,15 @@ def _last_carried(system: System) -> list[int]:
     return last
 
 
+def _mounting(body: Segment) -> list[Scalar]:
+    return [*flat(body.placement.rotation), *body.placement.position]
+
+
 def _row(system: System, i: int, spin: Spin | None) -> list[Scalar]:
     body, joint = system.segments[i], system.segments[i].joint
-    R, M = body.placement.rotation, body.inertia
     slide = joint.pitch if isinstance(joint, Helical) else int(isinstance(joint, Prismatic))
     screw = (int(not isinstance(joint, Prismatic)), slide)
-    placed = (*(x for row in R for x in row), *body.placement.position)
-    return [*placed, *parameters_of(M), *screw, system.armature[body.v.start], *_coupling(spin)]
+    return [*parameters_of(body.inertia), *screw, system.armature[body.v.start], *_coupling(spin)]
 
 
 def _coupling(spin: Spin | None) -> list[Scalar]:
@@ -121,32 +121,53 @@ def _coupling(spin: Spin | None) -> list[Scalar]:
     return [*spin.axis, *((0, spin.geared, spin.inertia) if spin.elastic else (spin.geared, 0, 0))]
 
 
-class Columns:
-    """Which of the bodies' numbers are built into the code, and which are read.
+class Rows(NamedTuple):
+    """Numbers of all bodies.  stated: those built into the code, by column.  read: (n, ...) the others."""
 
-    stated: the first, by column.  read: (n, width), the others.  base: its joint, if there is one, and its
-    `Segment.to_user_axes`.  are_coupled: whether rotors with full coupling are behind springs.
-    """
+    stated: dict[int, int]
+    read: np.ndarray
 
-    def __init__(self, rows: np.ndarray, models: Sequence[Model] = (), base: Segment | None = None) -> None:
-        """models: of the drives' structures."""
-        self.base, self.models = base.joint if base else None, models
-        self.base_to_user_axes = base.to_user_axes if base else IDENTITY
-        self.are_coupled = bool(rows[:, SPRUNG].any())
+    @classmethod
+    def of(cls, rows: np.ndarray) -> "Rows":
         first = rows[0]
         same = (rows == first).all(axis=0) & np.isin(first, (-1.0, 0.0, 1.0))
-        self.stated = {int(k): int(first[k]) for k in np.flatnonzero(same)}
-        self.read = np.ascontiguousarray(rows[:, ~same])
-        self.width = self.read.shape[1]
-        self._columns = rows.shape[1]
+        return cls({int(k): int(first[k]) for k in np.flatnonzero(same)}, np.ascontiguousarray(rows[:, ~same]))
+
+    def whole(self, read: Iterable[Scalar]) -> list[Scalar]:
+        """A row, from what is read of it."""
+        others, width = iter(read), len(self.stated) + self.read.shape[1]
+        return [self.stated[k] if k in self.stated else next(others) for k in range(width)]
+
+
+class Columns:
+    """The bodies' numbers.
+
+    read: those that are not built into the code, by the region that holds them: "mounting", (n, ...) of the joint's
+    place in the parent, and "body", (n, ...) of all else.  sizes: of their rows.  bodies: n.  base: its joint, if there
+    is one, and its `Segment.to_user_axes`.  are_coupled: whether rotors with full coupling are behind springs.
+    """
+
+    def __init__(
+        self, mountings: np.ndarray, rows: np.ndarray, models: Sequence[Model] = (), base: Segment | None = None
+    ) -> None:
+        """models: of the drives' structures."""
+        self.base, self.models, self.bodies = base.joint if base else None, models, len(rows)
+        self.base_to_user_axes = base.to_user_axes if base else IDENTITY
+        self.are_coupled = bool(rows[:, SPRUNG].any())
+        self._mounting, self._body = Rows.of(mountings), Rows.of(rows)
+        self.read = {"mounting": self._mounting.read, "body": self._body.read}
+        self.sizes = {name: numbers.shape[1] for name, numbers in self.read.items()}
+
+    def mounting(self, read: Iterable[Scalar]) -> Pose:
+        """The joint's place in the parent, for the body whose row holds these."""
+        return pose_of(self._mounting.whole(read))
 
     def subsystem(self, read: Iterable[Scalar]) -> Subsystem:
-        """The body whose row holds these."""
-        row = self._whole(read)
+        """The body whose row holds these, as if its joint were at its parent's origin."""
+        row = self._body.whole(read)
         of = {name: row[end - FIELDS[name] : end] for name, end in _ENDS.items()}
-        pose = Pose(mat3_of(of["rotation"]), Vec3(*of["position"]))
         joint, inertia = OneAxis(*of["screw"]), inertia_of(of["inertia"])
-        own = Segment("", WORLD, pose, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
+        own = Segment("", WORLD, AT_ORIGIN, joint, inertia, slice(0, 1), slice(0, 1), IDENTITY)
         axis, (J,) = Vec3(*of["rotor's axis"]), of["sprung inertia"]
         (geared,), (sprung,) = of["geared momentum"], of["sprung momentum"]
         spin = None if is_plain_zero(geared) else Spin(0, 0, axis, 0, geared, False)
@@ -160,17 +181,13 @@ class Columns:
 
     def to_user_axes(self, read: Iterable[Scalar]) -> Mat3:
         """The user's axes of the body whose row holds these, along its own axes."""
-        return mat3_of(self._whole(read)[-9:])
+        return mat3_of(self._body.whole(read)[-9:])
 
     def by_drive(self, read: Iterable[Scalar], step: Callable[[Model], list[Scalar]]) -> list[Scalar]:
         """The result of a step for the drive of the body whose row holds these."""
-        kind, *row = self._whole(read)[BODY:]
+        kind, *row = self._body.whole(read)[BODY:]
         numbers, found = iter(row), list[Scalar]()
         for k, model in enumerate(self.models):
             own = step(rebuild(model, numbers))
             found = [where(kind < k, x, y) for x, y in zip(found, own, strict=True)] if k else own
         return found
-
-    def _whole(self, read: Iterable[Scalar]) -> list[Scalar]:
-        others = iter(read)
-        return [self.stated[k] if k in self.stated else next(others) for k in range(self._columns)]

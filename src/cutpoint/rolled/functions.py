@@ -124,7 +124,7 @@ class RolledFunction:
         system = rooted(machine.system) if recipe.is_rooted else machine.system
         columns = columns_of(system, drives, user_axes=recipe.reads_user_axes)
         self._driven = [d.segment - bodies_of(machine.system).start for d in drives]
-        self._are_all_driven = len(self._driven) in (0, len(columns.read))
+        self._are_all_driven = len(self._driven) in (0, columns.bodies)
         self._task = Task(recipe, system, columns, backend, frame)
         for output in recipe.outputs:
             if prod(shape := self._task.shape(output)) > MOST_NUMBERS:

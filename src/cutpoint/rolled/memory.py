@@ -28,7 +28,7 @@ class Task:
 
     def __init__(self, recipe: Recipe, system: System, columns: Columns, backend: str, frame: str | None) -> None:
         self.recipe, self.columns, self.backend = recipe, columns, backend
-        self.steps, self.bodies = recipe.steps(columns), len(columns.read)
+        self.steps, self.bodies = recipe.steps(columns), columns.bodies
         place = place_of(system, frame) if frame else Place(WORLD, AT_ORIGIN)
         R, p, number = place.pose.rotation, place.pose.position, np.inf if place.body == WORLD else place.body
         known = {"frame": (*flat(R), *p, number), "gravity": [*system.gravity]}

@@ -113,18 +113,18 @@ def side_by_side(steps: Steps, columns: Columns, lanes: int) -> Rolled:
         used = {of.get(name, name) for name in (*p.stage.reads, *p.stage.writes)}
         return replace(p.stage, lanes=lanes, as_in_threes=not used.isdisjoint(steps.threes))
 
-    sizes = {"body": columns.width, **steps.sizes}
+    sizes = {**columns.sizes, **steps.sizes}
     kinds = groupby(steps.passes, key=lambda p: "outward" if p.way == "alone" else p.way)
     loops = [loop for way, some in kinds for loop in joined(some, way)]
     regions = [Region(name, size * lanes, lanes) for name, size in {**steps.sizes, **steps.apart, **steps.sums}.items()]
-    constants = [Region(name, size) for name, size in {"body": columns.width, **steps.constants}.items()]
+    constants = [Region(name, size) for name, size in {**columns.sizes, **steps.constants}.items()]
     entries = [Region(name, steps.entries.get(name, 1) * lanes, lanes) for name in steps.matrices]
     return Rolled(Loop(1, loops), (*constants, *regions, *entries))
 
 
 def one_by_one(steps: Steps, columns: Columns, lanes: int) -> Rolled:
     """Loops for one configuration.  Steps of bodies alone run on a block of bodies in lanes, over "blocks"."""
-    sizes = {"body": columns.width, **steps.sizes}
+    sizes = {**columns.sizes, **steps.sizes}
 
     def joined(passes: Sequence[Pass], way: str) -> list[Loop]:
         if way == "alone":
@@ -188,20 +188,25 @@ def _view(name: str, index: str) -> View:
 
 
 class Kept:
-    """A list of numbers as stored in a region: without those that are the same for all bodies."""
+    """A list of numbers as stored in a region: without those that are the same for all bodies, or at hand elsewhere."""
 
-    def __init__(self, function: Callable[..., Any], **sizes: int) -> None:
-        """function: computes the list from lists of these sizes."""
-        self._known = [None if isinstance(x, Traced) else x for x in graph_of(function, **sizes).results]
-        self.size = self._known.count(None)
+    def __init__(self, function: Callable[..., Any], at_hand: int = 0, **sizes: int) -> None:
+        """function: computes the list from lists of these sizes, whose first so many numbers are at hand."""
+        found = graph_of(function, **sizes).results
+        slots = {k: x.args[0] for k, x in enumerate(found) if isinstance(x, Traced) and x.op == "input"}
+        self._known = {k: x for k, x in enumerate(found) if not isinstance(x, Traced)}
+        self._at_hand = {k: slot for k, slot in slots.items() if slot < at_hand}
+        self._stored = [k for k in range(len(found)) if k not in {**self._known, **self._at_hand}]
+        self.size = len(self._stored)
 
     def some(self, numbers: Scalars) -> list[Scalar]:
         """Those numbers that are stored."""
-        return [x for x, known in zip(numbers, self._known, strict=True) if known is None]
+        return [numbers[k] for k in self._stored]
 
-    def all(self, kept: Scalars) -> list[Scalar]:
-        numbers = iter(kept)
-        return [next(numbers) if known is None else known for known in self._known]
+    def all(self, stored: Scalars, at_hand: Scalars = ()) -> list[Scalar]:
+        others = {k: at_hand[slot] for k, slot in self._at_hand.items()}
+        found = {**self._known, **others, **dict(zip(self._stored, stored, strict=True))}
+        return [found[k] for k in range(len(found))]
 
 
 class Order(NamedTuple):

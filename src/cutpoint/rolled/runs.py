@@ -33,20 +33,21 @@ class One:
 def memory_of(task: Task, rolled: Rolled, lanes: int) -> tuple[Arrays, Arrays, dict[str, int]]:
     """Arrays by region or list of rows; those of which inputs and outputs are parts; and counts."""
     n, blocks = task.bodies, -(-task.bodies // lanes)
-    rows = dict.fromkeys(("body", *task.steps.kept), blocks + 1)
+    rows = dict.fromkeys((*task.columns.read, *task.steps.kept), blocks + 1)
     rows |= {**dict.fromkeys(task.steps.matrices, n * blocks), "held": n}
     rows |= dict.fromkeys(set(task.steps.threes) & task.steps.kept.keys(), blocks * lanes + 2)
     rows |= dict.fromkeys(task.steps.sums, task.sums.rows)
     sizes = {r.name: r.room for r in rolled.regions}
-    arrays: Arrays = {k: aligned(rows.get(k, 1) * x).reshape(-1, x) for k, x in sizes.items()}
+    arrays: Arrays = {k: aligned(rows.get(k, 1) * x).reshape(rows.get(k, 1), x) for k, x in sizes.items()}
     vectors = {name: aligned((blocks + 1) * lanes, task.of_base(name)) for name in task.steps.numbers}
     for name, vector in vectors.items():
         head = task.of_base(name)
         arrays[name] = vector[head:].reshape(-1, lanes)
         arrays |= {f"base.{name}": vector[:head]} if head else {}
-    body = arrays["body"].reshape(blocks + 1, -1, lanes).swapaxes(1, 2)
-    for k in range(n):
-        body[k // lanes, k % lanes] = task.columns.read[k]
+    for name, numbers in task.columns.read.items():
+        own = arrays[name].reshape(blocks + 1, numbers.shape[1], lanes).swapaxes(1, 2)
+        for k in range(n):
+            own[k // lanes, k % lanes] = numbers[k]
     for name, numbers in task.world.items():
         if name in task.steps.threes:
             arrays[name][blocks * lanes].reshape(-1, 4)[:, :3].flat = numbers

@@ -113,7 +113,7 @@ class Base:
             return a, [*self.kind.motion(a).seen_from_parent(turn)]
 
         reads = ("base.turned", "base.resistance", "base.tau")
-        return Pass("once", Stage(eliminates, reads, ("base.a", "base.added")))
+        return Pass("once", Stage(eliminates, reads, ("base.a", "base.share")))
 
     def is_placed(self) -> Pass:
         """Where it is in the world."""

@@ -9,7 +9,7 @@ from cutpoint.mechanics.bodies.joints import dot
 from cutpoint.mechanics.bodies.spatial import IDENTITY, ZERO, Inertia, Motion, Pose, Vec3, Wrench
 from cutpoint.mechanics.system import Segment
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
-from cutpoint.rolled.algorithms.placing import placing
+from cutpoint.rolled.algorithms.placing import POSE, placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
     RESISTANCE,
@@ -19,7 +19,6 @@ from cutpoint.rolled.packing import (
     motion_of,
     packed_resistance,
     pose_by_columns,
-    pose_of,
     resistance_of,
     wrench_of,
 )
@@ -30,7 +29,7 @@ from cutpoint.scalars import Scalar
 NUMBERS = ("q", "v", "tau", "a")
 
 MOTION = {"turned": 12, "omega": 3, "coasting": 6}
-KEPT = {**MOTION, "share": 6, "added": 6}
+KEPT = {**MOTION, "share": 6}
 """What is kept of each body, and in how many numbers, beside its pose and its own step."""
 
 VIEWS = (
@@ -40,7 +39,7 @@ VIEWS = (
     View("borne", "resistance", "own sum"),
     View("by others", "resistance", "sum so far"),
     View("handed", "resistance", "carrier's sum"),
-    View("led", "added", "parent"),
+    View("led", "share", "parent"),
 )
 
 WORLD_ROWS: dict[str, list[Any]] = {"turned": flat(IDENTITY), "coasting": [(UPWARD, k) for k in range(6)]}
@@ -51,13 +50,14 @@ def forward_dynamics(columns: Columns) -> Steps:
 
     So no inertia passed from body to body is ever rotated.  turned: the body's axes in the world's, and its position in
     its parent.  coasting: its acceleration at constant joint speeds.  rigid: inertia, and the wrench for that
-    acceleration.  resistance: the same of all that a body carries.  added: the acceleration that joints add.
+    acceleration.  resistance: the same of all that a body carries.  share: what the joint takes of its
+    carrier's acceleration; the last pass puts the acceleration that joints add in its place.
     """
-    (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+    poses, base = placing(columns, PLAIN, ("q",)), base_in(columns)
     along = columns.along_the_world
 
-    def moves(row: Any, at: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
-        turned = turned_pose(pose_by_columns(above), pose_of(pose.all(at)))
+    def moves(mounting: Any, at: Any, row: Any, v: Any, above: Any, carrier: Any, carried: Any) -> Any:
+        turned = turned_pose(pose_by_columns(above), poses.of(mounting, at))
         omega, A = _coasting(along(row, by_columns(turned)).body, Vec3(*carrier), motion_of(carried), v)
         return by_columns(turned), [*omega], [*A]
 
@@ -85,15 +85,15 @@ def forward_dynamics(columns: Columns) -> Steps:
 
     reads = ("body", "turned", "v", "tau", "rigid", "carrier", "carried", "borne", "by others")
     passes = [
-        Pass("alone", place),
+        Pass("alone", poses.stage),
         *([base.resists()] if base else []),
-        Pass("outward", Stage(moves, ("body", "pose", "v", "above", "carrier", "carried"), (*MOTION,))),
+        Pass("outward", Stage(moves, (*POSE, "body", "v", "above", "carrier", "carried"), (*MOTION,))),
         Pass("inward", Stage(resists, ("body", *MOTION), ("rigid",))),
         Pass("inward", Stage(eliminates, reads, ("step", "share", "handed"))),
         *([base.eliminates()] if base else []),
-        Pass("outward", Stage(follows, ("body", "turned", "step", "share", "led"), ("a", "added"))),
+        Pass("outward", Stage(follows, ("body", "turned", "step", "share", "led"), ("a", "share"))),
     ]
-    kept, (apart, constants) = {"pose": pose.size, "step": 1, **KEPT}, sizes_apart(base, NUMBERS)
+    kept, (apart, constants) = {"pose": poses.size, "step": 1, **KEPT}, sizes_apart(base, NUMBERS)
     apart, sums, threes = {"rigid": RESISTANCE, **apart}, {"resistance": RESISTANCE}, (*KEPT, "rigid", "resistance")
     return Steps(kept, NUMBERS, VIEWS, WORLD_ROWS, passes, apart, constants, threes=threes, sums=sums)
 

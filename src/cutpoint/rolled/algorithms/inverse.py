@@ -8,9 +8,9 @@ from cutpoint.mechanics.bodies.rigid_body import acceleration_gradient, net_wren
 from cutpoint.mechanics.bodies.spatial import AT_ORIGIN, ZERO, Motion, Vec3
 from cutpoint.mechanics.inverse_dynamics import BodyMotion, move
 from cutpoint.rolled.algorithms.base import base_in, sizes_apart
-from cutpoint.rolled.algorithms.placing import RATES, placing
+from cutpoint.rolled.algorithms.placing import POSE, RATES, placing
 from cutpoint.rolled.bodies import Columns
-from cutpoint.rolled.packing import motion_of, pose_of, wrench_of
+from cutpoint.rolled.packing import motion_of, wrench_of
 from cutpoint.rolled.passes import PLAIN, UPWARD, Order, Pass, Steps
 from cutpoint.scalars import Scalar
 
@@ -23,10 +23,10 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
     """
     m, base = order.numbers, base_in(columns)
     rates = RATES[: m + 2]
-    place, pose = placing(columns, order, rates[:m])
+    poses = placing(columns, order, rates[:m])
 
-    def outward(row: Any, at: Any, carrier: Any, *given: Any) -> Any:
-        joint, X = columns.subsystem(row).body.joint, pose_of(order.scalars(pose.all(at)))
+    def outward(mounting: Any, at: Any, row: Any, carrier: Any, *given: Any) -> Any:
+        X, joint = poses.of(mounting, at), columns.subsystem(row).body.joint
         parent = _moving(order.scalars(carrier))
         zv, za = (joint.motion(order.rate(given, k)) for k in (0, 1))
         moved = move(X, X.outward(parent.V).angular + zv.angular, zv, parent, zv, za)
@@ -36,8 +36,8 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
         moved = _moving(order.scalars(motion))
         return order.packed(net_wrench(columns.subsystem(row).body.inertia, moved.A, moved.U))
 
-    def inward(row: Any, at: Any, wrench: Any, carrier: Any, borne: Any, *given: Any) -> Any:
-        own, X, F = columns.subsystem(row), pose_of(order.scalars(pose.all(at))), wrench_of(order.scalars(wrench))
+    def inward(mounting: Any, at: Any, row: Any, wrench: Any, carrier: Any, borne: Any, *given: Any) -> Any:
+        X, own, F = poses.of(mounting, at), columns.subsystem(row), wrench_of(order.scalars(wrench))
         (speed,), (acceleration,) = (order.rate(given, k) for k in (0, 1))
         tau, handed = own.body.joint.effort(F)[0] + own.armature * acceleration, X.inward(F)
         if own.spin:
@@ -47,15 +47,15 @@ def inverse_dynamics(columns: Columns, order: Order = PLAIN) -> Steps:
         return order.packed([tau]), order.packed(wrench_of(order.scalars(borne)) + handed)
 
     passes = [
-        Pass("alone", place),
+        Pass("alone", poses.stage),
         *([base.moves(order, rates)] if base else []),
-        Pass("outward", Stage(outward, ("body", "pose", "carrier", *rates[1:]), ("motion",))),
+        Pass("outward", Stage(outward, (*POSE, "body", "carrier", *rates[1:]), ("motion",))),
         Pass("alone", Stage(cost, ("body", "motion"), ("wrench",))),
-        Pass("inward", Stage(inward, ("body", "pose", "wrench", "carrier", "borne", *rates[1:]), ("tau", "borne"))),
+        Pass("inward", Stage(inward, (*POSE, "body", "wrench", "carrier", "borne", *rates[1:]), ("tau", "borne"))),
         *([base.bears(order)] if base else []),
     ]
     views = (View("carrier", "motion", "parent"), View("borne", "wrench", "parent"))
-    kept = {"pose": pose.size, "motion": 9 * m, "wrench": 6 * m}
+    kept = {"pose": poses.size, "motion": 9 * m, "wrench": 6 * m}
     upward = [x for n in range(6) for x in ((UPWARD, n), *[0] * (m - 1))]
     numbers = (*rates, "tau")
     return Steps(kept, numbers, views, {"motion": [0] * (3 * m) + upward}, passes, *sizes_apart(base, numbers))

@@ -7,7 +7,7 @@ from cutpoint.kernels import Stage, View
 from cutpoint.mechanics.bodies import rigid_body
 from cutpoint.mechanics.bodies.spatial import IDENTITY, STILL, ZERO, Motion, Pose, Vec3, Wrench
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
-from cutpoint.rolled.algorithms.placing import PARENT, placing
+from cutpoint.rolled.algorithms.placing import PARENT, POSE, placing
 from cutpoint.rolled.bodies import BASE, Columns
 from cutpoint.rolled.packing import added, flat, motion_of, pose_of
 from cutpoint.rolled.passes import PLAIN, Pass, Scalars, Steps
@@ -53,10 +53,10 @@ def _total(
     columns: Columns, share: Share, size: int, result: Callable[[Scalars, Scalars], Scalars], shape: tuple[int, ...]
 ) -> Steps:
     """size: of a share.  result: function of the sum of all shares, and of gravity."""
-    (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+    poses, base = placing(columns, PLAIN, ("q",)), base_in(columns)
 
-    def outward(row: Any, at: Any, v: Any, turned: Any, velocity: Any) -> Any:
-        own, X, above, carrier = columns.subsystem(row), pose_of(pose.all(at)), pose_of(turned), motion_of(velocity)
+    def outward(mounting: Any, at: Any, row: Any, v: Any, turned: Any, velocity: Any) -> Any:
+        X, own, above, carrier = poses.of(mounting, at), columns.subsystem(row), pose_of(turned), motion_of(velocity)
         V, X_w = X.outward(carrier) + own.body.joint.motion(v), above @ X
         return [*flat(X_w.rotation), *X_w.position], [*V], share(own, X_w, V, v, above, carrier)
 
@@ -64,15 +64,15 @@ def _total(
         return [*result([sum(x) for x in zip(total, *of_base, strict=True)], gravity)]
 
     passes = [
-        Pass("alone", place),
+        Pass("alone", poses.stage),
         Pass("once", Stage(lambda: [0] * size, (), ("world.share",))),
         *([_of_base(base, share)] if base else []),
-        Pass("outward", Stage(outward, ("body", "pose", "v", "above", "carrier"), ("turned", "velocity", "share"))),
+        Pass("outward", Stage(outward, (*POSE, "body", "v", "above", "carrier"), ("turned", "velocity", "share"))),
         Pass("inward", Stage(added, ("share", "borne"), ("borne",))),
         Pass("once", Stage(whole, ("world.share", "gravity", *(["base.share"] if base else [])), ("total",))),
     ]
     views = (PARENT, View("carrier", "velocity", "parent"), View("borne", "share", "parent"))
-    kept, numbers = {"pose": pose.size, "turned": 12, "velocity": 6, "share": size}, ("q", "v")
+    kept, numbers = {"pose": poses.size, "turned": 12, "velocity": 6, "share": size}, ("q", "v")
     sizes, constants = sizes_apart(base, numbers)
     apart, known = {**sizes, "total": sum(shape) or 1}, {**constants, "gravity": 3}
     return Steps(kept, numbers, views, {"turned": flat(IDENTITY)}, passes, apart, known, {"total": shape})

@@ -10,7 +10,7 @@ from cutpoint.mechanics.bodies.spatial import IDENTITY, NO_WRENCH, ZERO, Pose
 from cutpoint.mechanics.factors import factors_of, solve
 from cutpoint.rolled.algorithms.base import Base, base_in, sizes_apart
 from cutpoint.rolled.algorithms.forward import eliminate, turned_pose
-from cutpoint.rolled.algorithms.placing import placing
+from cutpoint.rolled.algorithms.placing import POSE, placing
 from cutpoint.rolled.bodies import Columns
 from cutpoint.rolled.packing import (
     INERTIA,
@@ -19,7 +19,6 @@ from cutpoint.rolled.packing import (
     flat,
     packed_inertia,
     pose_by_columns,
-    pose_of,
 )
 from cutpoint.rolled.passes import PLAIN, Kept, Pass, Steps
 from cutpoint.scalars import Scalar, minimum
@@ -37,11 +36,11 @@ def elimination(columns: Columns) -> tuple[Steps, Kept]:
     body's position in its carrier, along the world's axes.  least: the least articulated inertia of all joints.
     base.step: accelerations per unit of its torques, and its axes along the world's.
     """
-    (place, pose), base = placing(columns, PLAIN, ("q",)), base_in(columns)
+    poses, base = placing(columns, PLAIN, ("q",)), base_in(columns)
     along = columns.along_the_world
 
-    def turns(row: Any, at: Any, above: Any) -> Any:
-        return by_columns(turned_pose(pose_by_columns(above), pose_of(pose.all(at))))
+    def turns(mounting: Any, at: Any, above: Any) -> Any:
+        return by_columns(turned_pose(pose_by_columns(above), poses.of(mounting, at)))
 
     def stands(row: Any, turned: Any) -> Any:
         return packed_inertia(Articulated.of(along(row, turned).body.inertia).T)
@@ -56,18 +55,18 @@ def elimination(columns: Columns) -> tuple[Steps, Kept]:
         numbers, D, left = eliminates(row, turned, inertia, carrier)
         return step.some(numbers), left, [minimum(least[0], D)]
 
-    sizes = {"row": columns.width, "turned": 12, "inertia": INERTIA, "carrier": INERTIA}
+    sizes = {"row": columns.sizes["body"], "turned": 12, "inertia": INERTIA, "carrier": INERTIA}
     step, reads = Kept(lambda **x: eliminates(**x)[0], **sizes), ("body", "turned", "inertia", "resisted")
     passes = [
-        Pass("alone", place),
+        Pass("alone", poses.stage),
         Pass("once", Stage(lambda: [UNLIMITED], (), ("least",))),
         *([_stands(base)] if base else []),
-        Pass("outward", Stage(turns, ("body", "pose", "above"), ("turned",))),
+        Pass("outward", Stage(turns, (*POSE, "above"), ("turned",))),
         Pass("outward", Stage(stands, ("body", "turned"), ("inertia",))),
         Pass("inward", Stage(inward, (*reads, "least"), ("step", "resisted", "least"))),
         *([_eliminates(base)] if base else []),
     ]
-    kept = {"pose": pose.size, "turned": 12, "inertia": INERTIA, "step": step.size}
+    kept = {"pose": poses.size, "turned": 12, "inertia": INERTIA, "step": step.size}
     views = (View("above", "turned", "parent"), View("resisted", "inertia", "parent"))
     world: dict[str, list[Any]] = {"turned": flat(IDENTITY)}
     apart, constants = sizes_apart(base, ("q",))
