@@ -48,6 +48,15 @@ def _mass(rng: np.random.Generator) -> tuple[float, np.ndarray, np.ndarray]:
     return rng.uniform(0.5, 2.0), rng.normal(0.0, 0.1, 3), np.diag(rng.uniform(0.01, 0.015, 3))
 
 
+def star(size: int) -> Mechanism:
+    """Bodies that stand side by side on the world: none carries another."""
+    rng, names = np.random.default_rng(size), [f"link{k}" for k in range(size)]
+    links = [Link("world"), *(Link(name, *_mass(rng)) for name in names)]
+    axes = [np.eye(3)[k % 3] for k in range(size)]
+    pairs = zip(names, axes, strict=True)
+    return build("star", links, [Joint(f"to {n}", "revolute", "world", n, placement(rng), axis) for n, axis in pairs])
+
+
 def assert_close(ours: np.ndarray, theirs: np.ndarray, rtol: float = 1e-12) -> None:
     """To within a share of the largest number: torques at the tips of long chains are sums that all but vanish."""
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=rtol * np.abs(theirs).max())

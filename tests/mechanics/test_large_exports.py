@@ -13,11 +13,12 @@ from cutpoint.derivatives import in_c
 from cutpoint.errors import InputError
 from cutpoint.export import export_function
 from cutpoint.functions.compiled import compiled_of
-from large_robots import assert_close, based, chain
+from large_robots import assert_close, based, chain, star
 from robot_library import load, mixed_drives, tree
 
 CHAIN, TREE = Robot(chain(140, ("revolute", "prismatic", "helical"))), Robot(based("revolute", 140))
 FLOATING, BRANCHING = Robot(based("floating", 140, branching=False)), Robot(based("floating", 140))
+STAR = Robot(star(130))
 TURNING = Robot(chain(70, ("revolute", "prismatic")))
 DRIVEN, HELICAL = TURNING.with_drives(mixed_drives(TURNING)), CHAIN.with_drives(mixed_drives(CHAIN))
 
@@ -29,11 +30,13 @@ EVERYWHERE = (
 ELASTIC = (
     "elastic_inverse_dynamics", "elastic_forward_dynamics", "static_deflection", "elastic_inverse_dynamics_derivatives",
 )  # fmt: skip
+PAIRED = ("mass_matrix", "regressor", "inverse_dynamics_derivatives", "coriolis_matrix")
 BRANCHED = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "momentum", "inverse_dynamics_derivatives")
 FLOATED = tuple(name for name in EVERYWHERE if name not in ("bias_forces", "gravity_forces", "regressor"))
 CASES: dict[str, tuple[Robot, str, dict[str, Any]]] = {
     **{f"{name} of a chain": (CHAIN, name, {}) for name in EVERYWHERE},
     **{f"{name} of a tree": (TREE, name, {}) for name in BRANCHED},
+    **{f"{name} where no body carries another": (STAR, name, {}) for name in PAIRED},
     **{f"{name}, floating": (FLOATING, name, {}) for name in FLOATED},
     **{f"{name}, floating and branching": (BRANCHING, name, {}) for name in ("mass_matrix", "regressor")},
     **{f"{name}, driven": (DRIVEN, name, {}) for name in ELASTIC},

@@ -128,7 +128,9 @@ class _Loops:
 
     def loop(self, this: Loop, starts: Mapping[str, str]) -> Iterator[str]:
         """starts: by name, offsets of the rows of regions that outer loops step through."""
-        often, k = self._number(this.count), f"_i{next(self._numbers)}"
+        if not (often := self._number(this.count)):
+            return  # its list of rows is empty as well, and C has no empty arrays
+        k = f"_i{next(self._numbers)}"
         groups = {name: prod(map(self._number, this.within(name))) for name in this.streams}
         rows = {name: (name, f"{k} * {size}" if size > 1 else k) for name, size in groups.items()}
         rows |= {view.name: (view.of, f"{self._lists[view.index]}[{k}]") for view in this.views}
