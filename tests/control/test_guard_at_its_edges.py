@@ -11,8 +11,9 @@ from law_library import LAWS, elbow, law
 from test_guard import LIMIT, MOVE, PERIOD, WHILE, assert_reacts, guarded
 
 from cutpoint import InputError, Limits, Robot, Sensors, simulate
-from cutpoint.control import PD, DisturbanceObserver, Fault, Guard, Measurement, Reference, SpeedFilter
+from cutpoint.control import PD, DisturbanceObserver, Fault, Feedforward, Guard, Measurement, Reference, SpeedFilter
 from cutpoint.control.law import needs_of
+from cutpoint.control.wrappers.guard import SEVERITY
 from cutpoint.scalars import leaves, rebuild, where
 from cutpoint.trajectories import cycloid
 
@@ -120,14 +121,21 @@ def test_a_stamp_may_come_half_a_period_early_or_late(periods, fault):
     assert after.severity == {Fault.NONE: 0, Fault.STALE: 1, Fault.DEADLINE: 2}[fault]
 
 
-def test_a_memory_that_was_never_started_is_a_fault():
-    """As of zeros, which a C program may begin with: without torque, and without a word of it, the arm would fall."""
-    guard = guarded(PD([9.0] * 2, [1.0] * 2))
-    zeros = rebuild(guard.start(), iter([0.0] * len(leaves(guard.start()))))
+@pytest.mark.parametrize("reaction", ["hold", "ramp", "stop"])
+@pytest.mark.parametrize("filled", [0.0, np.nan])
+def test_a_memory_that_was_never_started_is_a_fault(filled, reaction):
+    """As of zeros, which a C program may begin with: without torque, and without a word of it, the arm would fall.
+
+    Memory that was erased, or marked as unused, has all bits set: NaN.
+    """
+    guard = guarded(law("PID") + Feedforward(elbow()), reactions={"memory": reaction})
     for time in (PERIOD, 5.0):
-        after, command = guard.step(zeros, *rest(time))
-        assert command.fault == Fault.MEMORY
-        assert after.severity == 3 and not np.any(command.torque)
+        memory = rebuild(guard.start(), iter([filled] * len(leaves(guard.start()))))
+        for k in range(3):
+            memory, command = guard.step(memory, *rest(time + k * PERIOD))
+            assert command.fault == Fault.MEMORY
+            assert memory.severity >= SEVERITY[reaction] and not np.any(command.torque)
+            assert not np.any([*command.theta, *command.theta_dot, *command.feedforward])
 
 
 def test_a_sensor_that_the_law_does_not_need_is_no_fault_and_changes_nothing():

@@ -476,7 +476,7 @@ MUTANTS = {
     ),
     "a reaction that ends with its fault": Mutant(
         Guard.step,
-        "maximum(memory.severity, severity)",
+        "maximum(severity, memory.severity)",
         "severity",
         guarding.test_a_later_fault_only_makes_the_reaction_more_severe,
         {},

@@ -32,7 +32,7 @@ class Fault(IntEnum):
     stands still; DEADLINE follows once it goes on.  DEADLINE: a measurement comes half a period late or later.  SPEED:
     a joint's limit is passed by either encoder.  POSITION: it is by the link's or, where that says nothing, by the
     motor's.  COMMAND: what the law commands is not finite.  MEMORY: the guard's is none that began with `start`, such
-    as zeros in a C program.
+    as zeros, or NaN, in a C program.
     """
 
     NONE = 0
@@ -133,13 +133,15 @@ class Guard(Wrapper):
         places = [where(_is_odd(raw) > 0, theta, q) for raw, q, theta in pairs]
         found, severity = self._found(memory, finite, odd, places, parts)
         fault = where(memory.fault > 0, memory.fault, where(found > 0, found, reported))
-        severity = maximum(memory.severity, severity)
+        # maximum gives its first where its second is NaN, which a memory that was never started may hold
+        severity = maximum(severity, memory.severity)
         # remaining share of the last safe torque
-        ramped = maximum(memory.share - measurement.period / self.ramp_time, 0)
-        share = where(severity >= SEVERITY["ramp"], ramped, memory.share)
+        left = maximum(0.0, memory.share)
+        ramped = maximum(left - measurement.period / self.ramp_time, 0)
+        share = where(severity >= SEVERITY["ramp"], ramped, left)
         share = where(severity >= SEVERITY["stop"], 0.0, share)
         safe = [clip(u, -limit, limit) for u, limit in zip(parts[0], self.torque_limit, strict=True)]
-        held = (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot)
+        held = [*map(_finite, (memory.torque, [0.0] * self.size, memory.theta, memory.theta_dot))]
         torque, feedforward, theta, theta_dot = map(partial(_unless, severity), (safe, *parts[1:]), held)
         inner = with_float_leaves(inner)
         kept = rebuild(inner, iter(_unless(severity, leaves(inner), leaves(with_float_leaves(memory.inner)))))
@@ -190,6 +192,11 @@ class Guard(Wrapper):
 
 def _unless(severity: Scalar, new: Sequence[Scalar], old: Sequence[Scalar]) -> list[Scalar]:
     return [where(severity > 0, y, x) for x, y in zip(new, old, strict=True)]
+
+
+def _finite(held: Sequence[Scalar]) -> list[Scalar]:
+    """What is held, 0 where it is not finite, as in a memory that was never started."""
+    return [where(_is_odd(x) > 0, 0.0, x) for x in held]
 
 
 def _is_odd(x: Scalar) -> Scalar:
