@@ -56,9 +56,9 @@ WHERE = """
 * Chains: each body waits for the one before it.  Rotating a vector takes three operations one after another; forward
   dynamics processes inertias of 27 numbers three at a time, in some 190 operations per joint, a quarter of which only
   move numbers between registers, and the path from joint to joint is a quadratic form, a division and two more
-  operations.  Chains of 10,000: what is kept of their bodies takes 3.5 MB in inverse dynamics, 6 MB in forward
-  dynamics, which exceeds 2 MB of Intel's near caches; the far ones feed one core more slowly than AMD's.  Forward
-  dynamics took 9.5 MB before commit {slimmer}.  Runs up to that commit have no chain of 2,000.
+  operations.  Chains of 10,000: what is kept of their bodies takes 3.2 MB in inverse dynamics, 5 MB in forward
+  dynamics, which exceeds 2 MB of Intel's near caches; the far ones feed one core more slowly than AMD's.  Up to commit
+  91cb0b79 it was 3.5 and 6 MB, up to {slimmer} 9.5 MB in forward dynamics; runs up to that one have no chain of 2,000.
 * One call from Python, general: NumPy checks types, shapes and strides of each argument for the gufunc; the shortcut
   for plain arrays does not.
 * Closed loop: steps are {steps} times as fast as CasADi's, and there are fewer of them; checks, arrays of
