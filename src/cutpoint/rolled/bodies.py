@@ -29,7 +29,7 @@ FIELDS = {
     "inertia": 10, "screw": 2, "armature": 1, "rotor's axis": 3, "geared momentum": 1,
     "sprung momentum": 1, "sprung inertia": 1, "number": 1, "last carried": 1,
 }  # fmt: skip
-"""What a body's row consists of after these, in order, and how many numbers each takes; those of its drive follow.
+"""All else about a body, in order, and how many numbers each takes; those of its drive follow.
 
 A rotor's momentum is that at unit speed: of one rigidly geared, or of one behind a spring.
 """

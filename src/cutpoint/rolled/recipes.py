@@ -71,8 +71,8 @@ DERIVATIVES = "inverse_dynamics_derivatives"
 """Of rigid dynamics; those of forward dynamics follow from them."""
 
 RECIPES: Mapping[Any, Recipe] = {
-    "inverse_dynamics": Recipe(inverse.inverse_dynamics, ("q", "v", "a"), ("tau",), 96, pairs=1500),
-    "bias_forces": Recipe(inverse.inverse_dynamics, ("q", "v"), ("tau",), 96, pairs=1500),
+    "inverse_dynamics": Recipe(inverse.inverse_dynamics, ("q", "v", "a"), ("tau",), 96, pairs=1700),
+    "bias_forces": Recipe(inverse.inverse_dynamics, ("q", "v"), ("tau",), 96, pairs=1700),
     "gravity_forces": Recipe(inverse.inverse_dynamics, ("q",), ("tau",), 96),
     "forward_dynamics": Recipe(forward.forward_dynamics, ("q", "v", "tau"), ("a",), 128, pairs=1000),
     "mass_matrix": Recipe(mass.mass_matrix, ("q",), ("matrix",), 128, pairs=500, is_rooted=True),
