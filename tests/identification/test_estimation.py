@@ -18,7 +18,7 @@ from cutpoint.formats import parse_urdf
 from cutpoint.identification import Recording
 from cutpoint.identification.conditioning.motion import motion_of, slide_with_motors, still_joints
 from cutpoint.identification.rigid.bodies import bodies_of, with_parameters
-from cutpoint.identification.rigid.identify_rigid import Method, identify_rigid
+from cutpoint.identification.rigid.identify_rigid import Method, RigidEstimate, identify_rigid
 from cutpoint.identification.rigid.least_squares import least_squares
 from cutpoint.identification.rigid.physical import Solver
 from cutpoint.identification.rigid.regression import Regression
@@ -517,7 +517,7 @@ def test_friction_of_a_users_own_law_is_identified_as_stated_or_replaced_by_a_kn
     assert {choice.family.partition(",")[0] for choice in chosen.friction} <= {"coulomb", "stribeck"}
 
 
-def test_friction_that_grows_with_load_is_chosen_though_the_files_bodies_hang_elsewhere():
+def test_friction_that_grows_with_load_is_chosen_where_it_does_though_the_files_bodies_hang_elsewhere():
     """Friction of 0.1 of a load that the file has a quarter of a turn away, along the other axis."""
     true = two_joints()
     elsewhere = true.inertial_parameters.copy()
@@ -528,12 +528,21 @@ def test_friction_that_grows_with_load_is_chosen_though_the_files_bodies_hang_el
     angles = time[:, None, None] * turns + phases
     q = np.sin(angles).sum(axis=1)
     v, a = (turns * np.cos(angles)).sum(axis=1), -(turns**2 * np.sin(angles)).sum(axis=1)
-    load = true.inverse_dynamics(q, v, a)
-    torque = load + (1.0 + 0.1 * np.abs(load)) * np.tanh(v / 0.02)
-    torque += 0.02 * np.random.default_rng(0).normal(size=q.shape)
-    found = identify_rigid(file, Recording(time, true.joints, q=q, torque=torque), solver="lmi_trace", rotors=False)
+    load, noise = true.inverse_dynamics(q, v, a), 0.02 * np.random.default_rng(0).normal(size=q.shape)
+
+    def identified(share: float, **friction: Any) -> RigidEstimate:
+        torque = load + (1.0 + share * np.abs(load)) * np.tanh(v / 0.02) + noise
+        recording = Recording(time, true.joints, q=q, torque=torque)
+        return identify_rigid(file, recording, solver="lmi_trace", rotors=False, **friction)
+
+    found = identified(0.1)
     assert all(choice.family.endswith("with load") for choice in found.friction)
     assert [found[f"per_load.{joint}"].value for joint in file.joints] == pytest.approx([0.1, 0.1], rel=0.05)
+    # a log whose friction does not grow with load does not keep such a law
+    without = identified(0.0, friction=found.friction)
+    assert not any(choice.family.endswith("with load") for choice in without.friction)
+    assert all(drive.motor_friction is None for drive in without.robot.drives.values())
+    assert [without[f"coulomb.{joint}"].value for joint in file.joints] == pytest.approx([1.0, 1.0], rel=0.01)
 
 
 @pytest.mark.parametrize(("shift", "offset"), [(0.0, 0.0), (-3.0, -2.0)])

@@ -69,6 +69,11 @@ class FrictionChoice:
     compared: Mapping[str, Held]
     unit: str = "N m"
 
+    def without_load(self) -> "FrictionChoice":
+        """The same law, which does not grow with load."""
+        law = _with(self.law, per_load=None)
+        return replace(self, family=_family(law), law=law)
+
     def __str__(self) -> str:
         each = ", ".join(f"{name} {held.error:.4g}" for name, held in self.compared.items())
         return f"{self.joint}: {self.family} friction, chosen among (RMS error of held-out torques, {self.unit}) {each}"

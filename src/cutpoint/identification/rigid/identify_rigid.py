@@ -128,13 +128,19 @@ def identify_rigid(
     choices = _choices(base, stated, log, offsets) if friction == "choose" else ()
     if isinstance(friction, tuple):
         choices = _shaped(friction, base, stated, log, offsets)
-    laws = _laws(robot, stated, friction, choices)
     how = how._replace(shaped=[choice.joint for choice in choices])
-    fitted = _fitted(base, laws, log, how)
-    is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
-    for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
-        fitted = _fitted(base, laws, _loaded_as(fitted), how)
-    result = estimate_of(fitted, level, choices, recording.notes)
+
+    def estimated(choices: tuple[FrictionChoice, ...]) -> RigidEstimate:
+        laws = _laws(robot, stated, friction, choices)
+        fitted = _fitted(base, laws, log, how)
+        is_loaded = bool(errors) or any(law.per_load is not None for law in laws.values())
+        for _ in range(LOADED_ROUNDS - 1 if is_loaded else 0):
+            fitted = _fitted(base, laws, _loaded_as(fitted), how)
+        return estimate_of(fitted, level, choices, recording.notes)
+
+    result = estimated(choices)
+    settled = _without_idle_loads(choices, stated, result)
+    result = result if settled == choices else estimated(settled)
     return _with_note_on_lags(result) if method == "instrumental" and instruments is None else result
 
 
@@ -250,6 +256,18 @@ def _shaped(
     shaped = best_shapes(base, {**laws, **chosen}, chosen, log, offsets)
     units = at_joints(base.robot, "N m")
     return tuple(replace(each, law=shaped[each.joint], unit=units[each.joint]) for each in choices)
+
+
+def _without_idle_loads(
+    choices: tuple[FrictionChoice, ...], stated: Mapping[str, Sliding], found: RigidEstimate
+) -> tuple[FrictionChoice, ...]:
+    """The choices, without growth with load where the interval holds none and no file states any."""
+
+    def is_idle(choice: FrictionChoice) -> bool:
+        is_new = choice.law.per_load is not None and stated[choice.joint].per_load is None
+        return is_new and found[f"per_load.{choice.joint}"].low <= 0.0
+
+    return tuple(choice.without_load() if is_idle(choice) else choice for choice in choices)
 
 
 def _with_note_on_lags(found: RigidEstimate) -> RigidEstimate:
