@@ -11,7 +11,8 @@ from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.identification.conditioning.filtering import LITTLE, STILL, derivative, low_pass, noise_cutoff
 from cutpoint.identification.logs.recording import Recording, travel
 from cutpoint.mechanics.drives.friction import Sliding
-from cutpoint.mechanics.drives.presliding import Presliding
+from cutpoint.mechanics.drives.presliding import Presliding, sliding_of
+from cutpoint.model.drive import Drive
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import STANDS, check_all_driven
 
@@ -88,9 +89,16 @@ def check_friction(function: str, robot: Robot, on_motors: Any = Sliding | Presl
 
 
 def slide_with_motors(robot: Robot) -> NDArray[np.bool_]:
-    """(n,): whether each joint's friction depends on the motor's speed, being stated for the motor only."""
-    drives = robot.drives.values()
-    return np.array([drive.motor_friction is not None and drive.link_friction is None for drive in drives], np.bool_)
+    """(n,): whether each joint's friction depends on the motor's speed: all that is stated, or most of the dry part, is
+    the motor's."""
+    return np.array([_is_of_motor(drive) for drive in robot.drives.values()], np.bool_)
+
+
+def _is_of_motor(drive: Drive) -> bool:
+    if drive.motor_friction is None or drive.link_friction is None:
+        return drive.motor_friction is not None
+    link, motor = (getattr(sliding_of(law), "coulomb", 0.0) for law in (drive.link_friction, drive.motor_friction))
+    return bool(motor > link)
 
 
 def sliding_speeds(robot: Robot, motion: Motion) -> Array:

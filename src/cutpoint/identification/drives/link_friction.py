@@ -1,6 +1,7 @@
 """Link friction, which unlike the motor's deflects the spring: its size, and evidence against it."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +16,6 @@ from cutpoint.model.drive import Drive, Friction
 
 PUSHES = 0.05
 """Share of all viscous friction: a smaller negative one is model error, not evidence."""
-
-ONE_SIDED = 2.0
-"""Times the other side's dry friction: beyond it, a drive is taken to have friction on one side only."""
 
 
 @dataclass(frozen=True)
@@ -78,16 +76,34 @@ def _late(viscous: float, spring: SpringEstimate) -> float:
 
 def friction_notes(drive: Drive, spring: SpringEstimate, rotor: RotorEstimate, link: LinkFriction) -> tuple[str, ...]:
     """On which side the encoders see friction, a sentence each."""
-    stated, other = ("motor", "link") if drive.motor_friction and not drive.link_friction else ("link", "motor")
     on_link, on_motor = (max(x, 0.0) for x in (link.coulomb[0], rotor["coulomb"]))
-    size = {"link": on_link, "motor": on_motor}
     found: list[str] = []
-    if on_link > SIGNIFICANT * link.coulomb[1] or stated == "link":
-        outweighs = size[other] > ONE_SIDED * size[stated]
-        remedy = f": state its friction under `friction: {{{other}: ...}}`" if outweighs else ""
-        found.append(f"of the dry friction, {on_motor:.3g} N m is the motor's and {on_link:.3g} N m the link's{remedy}")
+    if on_link > SIGNIFICANT * link.coulomb[1] or not (drive.motor_friction and not drive.link_friction):
+        found.append(f"of the dry friction, {on_motor:.3g} N m is the motor's and {on_link:.3g} N m the link's")
     value, deviation = link.viscous
     if value > SIGNIFICANT * deviation and on_motor > on_link:
         late = f"its encoder is late by {_late(value, spring):.2g} ms"
         found.append(f"viscous friction of {value:.3g} N m s/rad is the link's, or {late}")
     return tuple(found)
+
+
+def on_sides_seen(stated: Drive, seen: Drive) -> Drive:
+    """The stated drive with friction on the sides, and in the shares, in which the encoders saw it.
+
+    seen: the same drive with Coulomb and viscous friction of either side, none where nothing differs from zero.  Shapes
+    stay as stated, on either side if only one is; so does friction of which some is in another form.
+    """
+    link, motor = stated.link_friction, stated.motor_friction
+    if not all(isinstance(law, Coulomb | Stribeck | None) for law in (link, motor)):
+        return stated
+    on_link, on_motor = _sized(link or motor, seen.link_friction), _sized(motor or link, seen.motor_friction)
+    return replace(stated, link_friction=on_link and replace(on_link, per_load=None), motor_friction=on_motor)
+
+
+def _sized(law: Any, seen: Any) -> Coulomb | Stribeck | None:
+    """A law, or if there is none what was seen, with the coefficients of the latter; at rest in the same proportion."""
+    if seen is None or not (seen.coulomb or seen.viscous):
+        return None
+    law = law or seen
+    at_rest = {"static": seen.coulomb * law.static / law.coulomb} if isinstance(law, Stribeck) and law.coulomb else {}
+    return replace(law, coulomb=seen.coulomb, viscous=seen.viscous, **at_rest)

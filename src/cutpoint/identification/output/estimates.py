@@ -16,10 +16,13 @@ from cutpoint.identification.drives.identify_drives import (
     identify_drives,
     joints_that_bend,
 )
+from cutpoint.identification.drives.link_friction import on_sides_seen
 from cutpoint.identification.drives.torque_delay import delay_notes
 from cutpoint.identification.logs.recording import Recording
 from cutpoint.identification.output.steps import Steps
 from cutpoint.identification.rigid.identify_rigid import FrictionWish, RigidEstimate, identify_rigid
+from cutpoint.identification.rigid.rigid_robot import stated_coefficient
+from cutpoint.identification.rigid.uncertainty import FRICTION
 from cutpoint.joint_units import at_joints
 from cutpoint.model.drive import Drive, Rotor
 from cutpoint.robot import Robot
@@ -84,14 +87,16 @@ def estimates(
     rotors = tuple(joint for joint, each in found if each.apart and "rotor inertia" not in each.unidentifiable)
     errors = {joint: each.spring.kinematic_error for joint, each in found if not each.clocks}
     errors = {joint: error for joint, error in errors.items() if error is not None}
-    if not rotors and not errors:
+    seen = {joint: each.drive for joint, each in found if each.apart and not each.clocks and friction != "stated"}
+    if not rotors and not errors and not seen:
         return Estimates(rigid, drives, (), doubts, notes)
     say("links again, with what the motors tell")
     # friction laws chosen while waves disturbed the torques are chosen again without them
     chosen = friction if errors else rigid.friction or friction
     how = {**how, "friction": chosen, "kinematic_errors": errors}
-    again = _with_rotors(before, drives, rotors, fitted, **how)
-    return Estimates(again, drives, rotors, doubts, notes)
+    sided = before.with_drives({joint: on_sides_seen(before.drives[joint], drive) for joint, drive in seen.items()})
+    again = _with_rotors(sided, drives, rotors, fitted, **how)
+    return Estimates(_with_priors_of(before, again), drives, rotors, doubts, notes)
 
 
 def _with_torques(robot: Robot, recording: Recording, constants: Mapping[str, float] | None) -> Recording:
@@ -174,6 +179,15 @@ def _with_rotors(
     sought = [joint for joint in before.joints if joint not in known]
     how |= {"rotors": sought if how["rotors"] else False, "rotor_errors": errors, "link_friction": rubs}
     return identify_rigid(before.with_drives(drives), fitted, **how)
+
+
+def _with_priors_of(files: Robot, found: RigidEstimate) -> RigidEstimate:
+    """The estimate whose priors of friction are the files', not what encoders saw."""
+
+    def prior(name: str, own: float) -> float:
+        return stated_coefficient(files, name) if name.partition(".")[0] in FRICTION else own
+
+    return replace(found, parameters=tuple(p._replace(prior=prior(p.name, p.prior)) for p in found.parameters))
 
 
 def _turning(drive: Drive, inertia: float) -> Drive:
