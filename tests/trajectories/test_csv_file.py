@@ -164,6 +164,7 @@ GOOD = "0,1\n1,2\n2,3\n3,4\n"
         ),
         ("t,elbow\n0,1\n1,nan\n", r"position of joint 'elbow' is 'nan': it must be a finite number \(.*motion.csv:3\)"),
         ("t,elbow\n0,1\ninf,1\n", r"time is 'inf': it must be a finite number \(.*motion.csv:3\)"),
+        ("t,elbow\n1.7e18,1\n", r"time is 1.7e\+18 s: it must be within 1e\+15 s; name .* 't \[ns\]' \(.*csv:2\)"),
         ("t,elbow\n0,1\n\n2,1\n1,2\n", r"time 1.0 s must be later than 2.0 s, the one before it \(.*motion.csv:5\)"),
         (
             "t,elbow\n0,1\n1,90\n",
@@ -221,3 +222,17 @@ def test_columns_of_other_joints_may_have_any_unit(tmp_path: Path):
     assert from_csv(path, ["a", "b"], sliding=()).joints == ("a", "b")
     with pytest.raises(InputError, match=r"joint 'c' is in 'mm': it turns, so its unit must be one of 'rad', 'mrad',"):
         from_csv(path, ["a", "c"], sliding=())
+
+
+def test_columns_that_nobody_asks_for_may_hold_anything(tmp_path: Path):
+    """As torques, remarks and counts beside the positions, and the cell behind a comma at the end of each line."""
+    lines = written(tmp_path, "t,a,b,c").read_text("utf-8").splitlines()
+    also = ["tau[1] [N m] x,effort [N m],said,counts,said,", "nan,,bent,90000,-,", *["1,2,straight,90001,-,"] * 100]
+    path = tmp_path / "wider.csv"
+    path.write_text("\n".join(map(",".join, zip(lines, also, strict=True))) + "\n", "utf-8")
+    assert np.array_equal(from_csv(path, ["c", "a"])(TIMES).q, from_samples(TIMES, POSITIONS[:, [2, 0]])(TIMES).q)
+    with pytest.raises(InputError, match=r"column 'said' must have its own name \(.*wider.csv:1\)"):
+        from_csv(path, ["a", "said"])
+    with pytest.raises(InputError, match=r"position of joint 'effort' is '': it must be a finite .*wider.csv:2\)"):
+        path.write_text(path.read_text("utf-8").replace("effort [N m]", "effort"), "utf-8")
+        from_csv(path, ["effort"])

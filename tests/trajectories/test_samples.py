@@ -98,7 +98,7 @@ def test_the_deviation_is_told_and_nothing_is_printed(capsys: pytest.CaptureFixt
     assert np.allclose(found.deviation.max, np.abs(errors).max(axis=0), rtol=1e-12)
     assert np.allclose(found.deviation.rms, np.sqrt((errors**2).mean(axis=0)), rtol=1e-12)
     assert capsys.readouterr().out == ""
-    assert str(found).startswith("smoothed to 10 Hz: deviates from its samples by at most ")
+    assert str(found).startswith("motion of 4 s, smoothed to 10 Hz: deviates from its samples by at most ")
     assert f"{found.deviation.max[1]:.3g} rad (m)" in str(found)
     assert "joint 'elbow'" in str(found)
 

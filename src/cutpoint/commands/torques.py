@@ -112,10 +112,9 @@ def torques_along(
 ) -> "cutpoint.Log":
     """Motor torques along a motion, every `period` s; full rotor coupling as with `quasi_rigid`."""
     if trajectory.duration / period > MOST_SAMPLES:
-        rule = (
-            f"this gives {trajectory.duration / period:.3g} samples, at most {MOST_SAMPLES:g} are allowed: lengthen it"
-        )
-        raise InputError(f"torque: --period {period:g} s: {rule}", period=period)
+        found = f"a motion of {trajectory.duration:.6g} s then has {trajectory.duration / period:.3g} samples"
+        rule = f"at most {MOST_SAMPLES:g} are allowed: lengthen it"
+        raise InputError(f"torque: --period {period:g} s: {found}, {rule}", period=period)
     times = np.linspace(0.0, trajectory.duration, max(2, int(np.ceil(trajectory.duration / period - 1e-9)) + 1))
     motion = trajectory.derivatives(times, 4)
     u = _torques(robot, *motion)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cutpoint.door import checked_names, path_of
+from cutpoint.door import LARGEST, checked_names, path_of
 from cutpoint.errors import InputError, listed, those_that_exist, unknown_name
 from cutpoint.files import check_readable
 from cutpoint.model.stated_units import ANGLES, LENGTHS, TIMES, name_and_unit
@@ -54,7 +54,7 @@ def from_csv(
 
     Args:
         path: UTF-8, separated by commas, or by semicolons or tabs, with a decimal point or comma.
-        joints: the columns wanted, in the order wanted; by default all of them in the file's order.
+        joints: the columns wanted, in the order wanted, others may hold anything; by default all in the file's order.
         sliding: names of prismatic joints, such as robot.mechanism.sliding; if given, units are checked against it.
 
     Raises:
@@ -69,63 +69,71 @@ def from_csv(
         raise InputError(f"from_csv: joints {listed(asked)} must differ from each other", joints=asked)
     try:
         with path.open(encoding="utf-8-sig", newline="") as lines:
-            columns, rows = _read(lines, path, sliding, asked)
+            names, rows = _read(lines, path, sliding, asked)
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"file is not comma-separated UTF-8 text: {error}", place=path) from error
-    names = [column.name for column in columns]
-    wanted = tuple(names) if asked is None else asked
-    data = np.array(rows, dtype=np.float64).reshape(-1, 1 + len(columns))
-    positions = data[:, [1 + names.index(name) for name in wanted]]
+    data = np.array(rows, dtype=np.float64).reshape(-1, 1 + len(names))
     try:
-        return from_samples(data[:, 0], positions, bandwidth=bandwidth, at_rest=at_rest, joints=wanted)
+        return from_samples(data[:, 0], data[:, 1:], bandwidth=bandwidth, at_rest=at_rest, joints=names)
     except InputError as error:
         raise InputError(str(error), place=path, **error.evidence) from error
 
 
 def _read(
-    lines: Iterator[str], path: Path, sliding: Collection[str] | None, asked: Collection[str] | None
-) -> tuple[list[Column], list[list[float]]]:
-    """The columns of joints, and rows of time and positions in rad (m).  asked: the joints wanted; None for all."""
+    lines: Iterator[str], path: Path, sliding: Collection[str] | None, asked: Sequence[str] | None
+) -> tuple[list[str], list[list[float]]]:
+    """The joints' names, and rows of time and their positions in rad (m).  asked: the joints wanted; None for all."""
     table = rows_of(lines, path)
     head, titles = next(table, (f"{path}:1", list[str]()))
     second, columns = _header(titles, head)
-    names = [column.name for column in columns]
+    names = [column.name for column in columns[1:]]
     if missing := [name for name in asked or () if name not in names]:
         told = f"no column is named {listed(missing)}; {those_that_exist(missing[0], names)}"
         rule = "name the missing, or lock joints that stand still (lock= of load, --lock)"
         raise InputError(f"{told}; {rule}", name=missing[0], known=names, place=path)
-    if sliding is not None:  # of joints that nobody asks for it is not known whether they slide
-        columns = [_held_against(x, sliding, head) if x.name in (asked or names) else x for x in columns]
+    taken = [1 + names.index(name) for name in asked] if asked is not None else range(1, len(columns))
+    wanted = [(k, _checked(k, columns, sliding, head)) for k in taken]
     rows: list[list[float]] = []
     for place, cells in table:
-        row = _row(cells, second, columns, place)
-        if rows and row[0] <= rows[-1][0]:
-            raise InputError(f"time {row[0]} s must be later than {rows[-1][0]} s, the one before it", place=place)
-        rows.append(row)
-    return columns, rows
+        check_width(cells, len(columns), place)
+        time = second * _number(cells[0], "time", place)
+        if abs(time) > LARGEST:
+            rule = f"it must be within {LARGEST:g} s; name its unit in the first line, as in 't [ns]'"
+            raise InputError(f"time is {time:g} s: {rule}", place=place)
+        if rows and time <= rows[-1][0]:
+            raise InputError(f"time {time} s must be later than {rows[-1][0]} s, the one before it", place=place)
+        rows.append([time, *(_position(cells[k], column, place) for k, column in wanted)])
+    return [column.name for _, column in wanted], rows
 
 
 def _header(cells: list[str], place: str) -> tuple[float, list[Column]]:
-    """The unit of time, s, and the columns of joints."""
+    """The unit of time, s, and all columns."""
     if len(cells) == 1 and "|" in cells[0]:
         told = f"first line {cells[0][:200]!r} separates columns with '|': use commas, {EXAMPLE}"
         raise InputError(told, place=place)
-    found = [_column(cell, place) for cell in cells[:MOST_COLUMNS]]
-    if not 2 <= len(cells) <= MOST_COLUMNS or found[0].name.lower() not in ("t", "time"):
+    columns = [Column(*name_and_unit(cell.strip())) for cell in cells[:MOST_COLUMNS]] or [Column("", "")]
+    time = columns[0]
+    _check_brackets(time.name, place)
+    if not 2 <= len(cells) <= MOST_COLUMNS or time.name.lower() not in ("t", "time"):
         shown = ", ".join(cells[:8])
         raise InputError(
             f"first line {shown[:200]!r} must name the columns, {EXAMPLE}: time first, then joints", place=place
         )
-    time = found[0].unit or "s"
-    if time not in TIMES:
-        raise InputError(f"time is in {time!r}: it must be in {', '.join(map(repr, TIMES))}", place=place)
-    names = [column.name for column in found]
-    for column in found[1:]:
-        if not column.name or names.count(column.name) > 1:
-            raise InputError(f"column {column.name!r} must have its own name", place=place)
-        if column.unit and column.unit not in ANGLES:
-            raise unknown_name(f"unit of joint {column.name!r}", column.unit, ANGLES, place=place)
-    return TIMES[time], found[1:]
+    unit = time.unit or "s"
+    if unit not in TIMES:
+        raise InputError(f"time is in {unit!r}: it must be in {', '.join(map(repr, TIMES))}", place=place)
+    return TIMES[unit], columns
+
+
+def _checked(index: int, columns: list[Column], sliding: Collection[str] | None, place: str) -> Column:
+    """The column of a joint, with whether that slides if it is told which do."""
+    column = columns[index]
+    _check_brackets(column.name, place)
+    if not column.name or [other.name for other in columns].count(column.name) > 1:
+        raise InputError(f"column {column.name!r} must have its own name", place=place)
+    if column.unit and column.unit not in ANGLES:
+        raise unknown_name(f"unit of joint {column.name!r}", column.unit, ANGLES, place=place)
+    return column if sliding is None else _held_against(column, sliding, place)
 
 
 def _held_against(column: Column, sliding: Collection[str], place: str) -> Column:
@@ -138,17 +146,9 @@ def _held_against(column: Column, sliding: Collection[str], place: str) -> Colum
     return column
 
 
-def _column(cell: str, place: str) -> Column:
-    name, unit = name_and_unit(cell.strip())
+def _check_brackets(name: str, place: str) -> None:
     if re.search(r"[][]", name):
         raise InputError(f"column {name!r} must be a name, or a name and its unit, as in 'elbow [deg]'", place=place)
-    return Column(name, unit)
-
-
-def _row(cells: list[str], second: float, columns: list[Column], place: str) -> list[float]:
-    check_width(cells, 1 + len(columns), place)
-    time = second * _number(cells[0], "time", place)
-    return [time, *(_position(cell, column, place) for cell, column in zip(cells[1:], columns, strict=True))]
 
 
 def _position(cell: str, column: Column, place: str) -> float:

@@ -65,8 +65,8 @@ class Smoothed(Spline):
         worst = int(np.argmax(self.deviation.max))
         rms = float(self.deviation.rms[worst])
         return (
-            f"smoothed to {self.bandwidth:.3g} Hz: deviates from its samples by at most "
-            f"{self.deviation.max[worst]:.3g} rad (m), {rms:.3g} RMS, at {joint_name(self.joints, worst)}"
+            f"motion of {self.duration:.6g} s, smoothed to {self.bandwidth:.3g} Hz: deviates from its samples by at "
+            f"most {self.deviation.max[worst]:.3g} rad (m), {rms:.3g} RMS, at {joint_name(self.joints, worst)}"
         )
 
 
