@@ -345,6 +345,15 @@ def test_the_worst_instant_is_where_the_arm_is_then():
         assert abs(peak.value) == np.abs(found.load.output_torque[:, k]).max()
 
 
+@pytest.mark.parametrize(("count", "positions"), [(8, 8), (9, 0)])
+def test_where_an_arm_is_is_listed_as_long_as_that_can_be_read(count: int, positions: int):
+    links = [Link("base"), *(Link(f"l{k}", mass=1.0, com=np.zeros(3), inertia=np.eye(3)) for k in range(count))]
+    joints = [Joint(f"j{k}", "revolute", "base", f"l{k}", limits=Limits(velocity=1.0)) for k in range(count)]
+    told = next(iter(sentences(sizing(Robot(build("arms", links, joints)), cycloid(np.ones(count), 1.0)))))
+    assert told.startswith("Tightest is j0 by its joint speed: 2 rad/s of 1 rad/s at 0.500 s")
+    assert told.count("0.5,") + told.count("0.5)") == positions
+
+
 def test_what_slides_is_told_in_newtons_and_metres():
     limits = Limits(lower=0.0, upper=1.0, velocity=1.0)
     slide = sizing(brake(kind="prismatic", limits=limits, ratings=Ratings(average_torque=5.0)), Polynomial(1.0, 2.0))

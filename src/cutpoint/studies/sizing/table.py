@@ -22,6 +22,9 @@ _WORDS = (0, 8, 9)
 _WHOLE = (0, 6, 7, 9)
 """Columns that are not broken where it gets narrow: the others break between asked and allowed."""
 
+MOST_POSITIONS = 8
+"""Joints whose positions a sentence lists; those of more make it unreadable, and the time says where they are."""
+
 
 def table_of(found: Sizing) -> Table:
     """Demanded and allowed, at the gear's output and the motor's speed."""
@@ -106,9 +109,9 @@ def _asked(margin: Margin) -> str:
     asked = f"{_number(margin.demanded * factor)} {unit} of {_number(margin.allowed * factor)} {unit}"
     if margin.at is None:
         return f"{asked} over the cycle"
-    where = ", ".join(f"{x:.3g}" for x in margin.at.position)
-    asked += " from the middle of its range" * (margin.limit == "joint travel")
-    return f"{asked} at {margin.at.time:.3f} s (q = {where})"
+    asked += f"{' from the middle of its range' * (margin.limit == 'joint travel')} at {margin.at.time:.3f} s"
+    position = margin.at.position
+    return asked if len(position) > MOST_POSITIONS else f"{asked} (q = {', '.join(f'{x:.3g}' for x in position)})"
 
 
 def _number(x: float) -> str:
