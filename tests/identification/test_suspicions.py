@@ -193,6 +193,17 @@ def test_a_unit_is_suggested_only_where_the_log_states_none(unit: str, said: str
         recording_of(log, parse_mapping("version: 1\njoints: [shoulder, elbow]\ntheta: theta"), arm)
 
 
+@pytest.mark.parametrize("unit", ["", "unit: deg, "])
+def test_an_offset_is_suspected_where_one_is_stated(unit: str):
+    arm = Robot(parse_urdf(urdf_text()))
+    mapping = parse_mapping(f"version: 1\njoints: [shoulder, elbow]\nq: {{channels: q, {unit}offset: [0, 90]}}")
+    said = (
+        r"q of joint 'elbow' runs from .* rad, far beyond its limits; .*; or the offset that is stated for it, in rad"
+    )
+    with pytest.raises(InputError, match=said):
+        recording_of(Table("log", {"t": Channel(T), "q": Channel(0.1 * SPANS)}), mapping, arm)
+
+
 def test_a_joint_that_the_robot_lacks_is_refused():
     log = Table("log", {"t": Channel(T), "q": Channel(SPANS)})
     mapping = parse_mapping("version: 1\njoints: [elbow, wrist]\nq: q", "map.yaml")

@@ -109,7 +109,7 @@ def _check(mapping: ChannelMap) -> None:
     if sheet.version != VERSION:
         raise section.error(("version",), f"version {sheet.version:g} is not known; this cutpoint reads {VERSION}")
     if sheet.time.period is not None and sheet.time.channel is not None:
-        raise section.error(("time",), "has both 'channel' and 'period'; state only one")
+        raise section.error(("time",), "time has both 'channel' and 'period'; state only one")
     start, end = sheet.time.start or 0.0, sheet.time.end
     if end is not None and end <= start:
         raise section.error(("time", "end"), f"time.end {end:g} s must be later than time.start, {start:g} s")

@@ -121,8 +121,12 @@ def in_si(quantity: Mapped, columns: Columns, ratio: Array | None, slides: NDArr
 def sized(path: tuple[str, ...], given: Sequence[float], joints: int, section: Section) -> Array:
     """One number for each joint, (n,).  Raises ModelError for another number of them.  path: of their field."""
     if len(given) not in (1, joints):
-        raise section.error(path, f"{'.'.join(path)} has {len(given)} numbers: it must have 1 or {joints}")
+        raise section.error(path, f"{'.'.join(path)} has {len(given)} numbers: it must have {_one_or(joints)}")
     return np.broadcast_to(np.array(given, dtype=np.float64), joints)
+
+
+def _one_or(joints: int) -> str:
+    return "1" if joints == 1 else f"1 or {joints}"
 
 
 def _channel(quantity: Mapped, wanted: str, table: Table) -> Channel:
@@ -137,10 +141,15 @@ def _units(quantity: Mapped, columns: Columns) -> list[str]:
     name, sheet, _ = quantity
     si, given = next(iter(UNITS[name])), sheet.unit or columns.units
     if len(given) not in (1, len(columns.units)):
-        raise quantity.error("unit", f"{name}.unit has {len(given)} units: it must have 1 or {len(columns.units)}")
+        rule = f"it must have {_one_or(len(columns.units))}"
+        raise quantity.error("unit", f"{name}.unit has {len(given)} units: {rule}")
     units = [unit or si for unit in (given * len(columns.units) if len(given) == 1 else given)]
     for unit in dict.fromkeys(units):
         check_unit(quantity, unit)
+    if sheet.counts_per_turn and (counts := COUNTS.get(name)) not in units:
+        rule = f"is for the unit {counts!r}" if counts else "is for encoders"
+        told = f"{name}.counts_per_turn {rule}, but {name} is in {listed(dict.fromkeys(units))}"
+        raise quantity.error("counts_per_turn", f"{told}; state '{name}.unit', or leave counts_per_turn out")
     stated = next((unit for unit in units if UNITS[name].get(unit) != 1.0), None)
     if stated and not sheet.unit and "" in columns.units:
         rule = f"{name}: one column states the unit {stated!r}, another states none; state '{name}.unit' in a mapping"

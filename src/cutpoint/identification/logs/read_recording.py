@@ -67,12 +67,13 @@ def recording_of(table: Table, mapping: ChannelMap, robot: Robot | None = None) 
             check_kinds(quantities[name], each, joints, sliding)
     slides = np.array([joint in sliding for joint in joints])
     stated = [name for name, each in chosen.items() if quantities[name].sheet.unit or any(each.units)]
+    shifted = [name for name, quantity in quantities.items() if any(quantity.sheet.offset)]
     measured = {name: in_si(quantities[name], each, ratio, slides) for name, each in chosen.items()}
     with placed(table.file):
         time, channels, notes = at_common_times(table, mapping, joints, measured)
         recording = Recording(time, joints, **channels, notes=(*table.notes, *notes))
         if robot:
-            refuse_other_units(recording, robot, stated)
+            refuse_other_units(recording, robot, stated, shifted)
         recording = _cut(recording, mapping.sheet.time)
     return recording.with_notes(suspicions(recording))
 

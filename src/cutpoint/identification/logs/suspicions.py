@@ -42,20 +42,22 @@ EXPLANATIONS = {
 }
 
 
-def refuse_other_units(recording: Recording, robot: Robot, stated: Collection[str] = ()) -> None:
+def refuse_other_units(
+    recording: Recording, robot: Robot, stated: Collection[str] = (), shifted: Collection[str] = ()
+) -> None:
     """Raises InputError for positions far beyond a joint's limits, such as degrees or counts taken as radians, or mm as
     metres; for motors whose positions are all the links' times one factor; and for a clock in another unit.
 
     Single false samples, which `identify` replaces, do not count.  stated: channels whose units the log or its mapping
-    states: another is not suggested.
+    states: another is not suggested.  shifted: channels to which the mapping adds an offset.
     """
     try:
-        _refuse(recording, robot, stated)
+        _refuse(recording, robot, stated, shifted)
     except InputError:
-        _refuse(without_spikes(recording), robot, stated)
+        _refuse(without_spikes(recording), robot, stated, shifted)
 
 
-def _refuse(recording: Recording, robot: Robot, stated: Collection[str]) -> None:
+def _refuse(recording: Recording, robot: Robot, stated: Collection[str], shifted: Collection[str]) -> None:
     check_period(recording.time, "time")
     _refuse_one_factor(recording, robot)
     for name in ("q", "theta"):
@@ -66,7 +68,9 @@ def _refuse(recording: Recording, robot: Robot, stated: Collection[str]) -> None
                     check_configuration(robot.mechanism, [*furthest.values()])
                 except InputError as error:
                     words = _beyond(name, joint, x, recording, robot, name in stated)
-                    raise InputError(words, **error.evidence) from error
+                    si = "m" if joint in robot.mechanism.sliding else "rad"
+                    also = f"; or the offset that is stated for it, in {si} whatever the unit" * (name in shifted)
+                    raise InputError(f"{words}{also}", **error.evidence) from error
 
 
 def _refuse_one_factor(recording: Recording, robot: Robot) -> None:
