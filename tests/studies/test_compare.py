@@ -47,6 +47,7 @@ def test_a_page_counts_its_runs(folder: Path, tmp_path: Path):
     run(tmp_path, seeds=1, laws=(), scenarios=("nominal",), progress=False)
     pages = [(place / "index.html").read_text(encoding="utf-8") for place in (folder, tmp_path)]
     assert "there are 2 runs, and the worst counts." in pages[0] and "there is 1 run." in pages[1]
+    assert all("Errors are RMS over time and all joints together." in page for page in pages)
 
 
 def test_long_work_says_how_far_it_is_where_nobody_sees_a_bar(

@@ -82,7 +82,7 @@ def _scenarios(results: Results, seeds: int) -> str:
     runs = "is 1 run" if seeds == 1 else f"are {seeds} runs, and the worst counts"
     return (
         f"Each scenario departs from the first in one thing. {told}. Gains stay as they are; what is wrong is the "
-        f"model inside the law. Where chance has a part there {runs}."
+        f"model inside the law. Where chance has a part there {runs}. Errors are RMS over time and all joints together."
     )
 
 
