@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import InputError
-from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, UNSEEN, Estimate, check_size, solved
-from cutpoint.identification.rigid.regression import Regression, reduced
+from cutpoint.identification.rigid.least_squares import MOST_ROUNDS, SETTLED, Estimate, check_size, solved
+from cutpoint.identification.rigid.regression import UNSEEN, Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
 from cutpoint.identification.triangle import lengths
 

@@ -11,15 +11,12 @@ from cutpoint.arrays import Array
 from cutpoint.door import checked_name
 from cutpoint.errors import InputError
 from cutpoint.identification.conditioning.correlated_noise import NORMAL
-from cutpoint.identification.rigid.regression import Regression, reduced
+from cutpoint.identification.rigid.regression import UNSEEN, Regression, reduced
 from cutpoint.identification.rigid.sandwich import Spread, spread
 from cutpoint.identification.triangle import lengths
 
 Method = Literal["ordinary", "weighted", "huber"]
 METHODS = get_args(Method)
-
-UNSEEN = 1e-9
-"""Share of the largest singular value of unit-length columns: directions below it are not excited at all."""
 
 EDGE = 1.345
 """Standard deviations beyond which Huber's weight falls: 95 % as efficient as least squares on normal noise."""

@@ -3,7 +3,7 @@
 torque = Y(q, v, a) p + I_m w_dot + sum of phi_k(v) c_k + offset, every term through one window (see `decimation`).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -16,8 +16,11 @@ from cutpoint.arrays import Array
 from cutpoint.identification.conditioning.decimation import Decimation
 from cutpoint.identification.conditioning.motion import Motion, sliding_speeds
 from cutpoint.identification.rigid.base_parameters import BaseParameters
-from cutpoint.identification.triangle import CHUNK, triangle
+from cutpoint.identification.triangle import CHUNK, lengths, triangle
 from cutpoint.mechanics.drives.friction import Sliding
+
+UNSEEN = 1e-9
+"""Share of the largest singular value of unit-length columns: directions below it are not excited at all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +88,34 @@ def regression(
     for j, joint in enumerate(joints if offsets else ()):
         names.append(f"offset.{joint}")
         friction.append(of_joint(np.ones((means.size, 1)), j, len(joints)))
-    return Regression(tuple(names), np.concatenate([inertial, *friction], axis=2), means(torque), means.times)
+    columns = np.concatenate([inertial, *friction], axis=2)
+    return Regression(tuple(names), _told_by_links(base, columns, motion, means), means(torque), means.times)
+
+
+def _told_by_links(base: BaseParameters, columns: Array, motion: Motion, means: Decimation) -> Array:
+    """The columns (M, n, c) without directions that vanish where motors move with their links.
+
+    A slide along gravity has one: its weight and an offset are both constant, and its rotor is as heavy as its link.
+    Only how the spring winds tells them apart, which is less than the encoders' noise and taken for far more.
+    """
+    alike, sliding = columns.copy(), base.robot.mechanism.sliding
+    for k, j in _rotor_columns(base):
+        if base.robot.joints[j] in sliding:
+            alike[:, j, k] = means(motion.a[:, [j]])[:, 0]
+    if np.array_equal(alike, columns, equal_nan=True):
+        return columns
+    R = triangle(alike.reshape(-1, alike.shape[2]))
+    length = lengths(R)
+    _, s, Vt = np.linalg.svd(R / length)
+    lost = Vt[s <= UNSEEN * s[0]].T
+    return columns - (columns / length @ lost) @ (lost.T * length)
+
+
+def _rotor_columns(base: BaseParameters) -> Iterator[tuple[int, int]]:
+    """Indices of the columns that are rotors, and of their joints."""
+    bodies = 10 * len(base.robot.mechanism.bodies)
+    rotors = base.independent[base.independent >= bodies] - bodies
+    yield from enumerate((base.rotors[k] for k in rotors), start=base.independent.size - rotors.size)
 
 
 def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) -> Array:
@@ -95,14 +125,13 @@ def inertial_columns(base: BaseParameters, motion: Motion, means: Decimation) ->
     """
     bodies, n = 10 * len(base.robot.mechanism.bodies), len(base.robot.joints)
     links = base.independent[base.independent < bodies]
-    rotors = [base.rotors[k] for k in base.independent[base.independent >= bodies] - bodies]
     found = np.empty((means.size, n, base.independent.size))
     for rows in _chunks(means):
         samples = means.samples(rows)
         Y = base.robot.regressor(*(np.nan_to_num(x[samples]) for x in (motion.q, motion.v, motion.a)))
         found[rows, :, : links.size] = means(Y[..., links], rows)
     w_dot = means(motion.w_dot)
-    for k, j in enumerate(rotors, start=links.size):
+    for k, j in _rotor_columns(base):
         found[:, :, k] = of_joint(w_dot[:, [j]], j, n)[..., 0]
     return found
 
