@@ -518,6 +518,16 @@ def test_how_springs_wind_does_not_tell_a_lifts_mass_from_an_offset():
     assert found.robot.inertial_parameters[0] == pytest.approx(4.0, rel=0.01)
 
 
+@pytest.mark.parametrize("rotors", [True, False])
+@pytest.mark.parametrize("noise", [1e-3, 0.01, 0.1])
+def test_bodies_without_constraints_are_those_with_constraints_whatever_the_noise(noise: float, rotors: bool):
+    """Where there was hardly any noise, the search without constraints stalled far from what fits best."""
+    file, log = lift_log(noise, 0.75)
+    free, bound = (identify_rigid(file, log, rotors=rotors, solver=solver) for solver in ("log_cholesky", "lmi_trace"))
+    assert free.robot.inertial_parameters == pytest.approx(bound.robot.inertial_parameters, rel=1e-3, abs=1e-3)
+    assert free.noise == pytest.approx(bound.noise, rel=1e-2)
+
+
 @dataclass(frozen=True)
 class Churning(Sliding):
     """A law of a user's own."""

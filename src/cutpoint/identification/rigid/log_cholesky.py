@@ -25,6 +25,9 @@ STEPS = 1000
 CLEAR = 1e-6
 """Distance from the bound at which the search starts."""
 
+WEIGHTS = (1e-4, 1e-2, 1.0)
+"""Of the torques, one search from the end of another: where hardly any noise weighs them, the search stalls far off."""
+
 
 def solve(fit: Fit) -> Array:
     """The unknowns of a fit, starting from the file's bodies.  Raises CutpointError if the search does not converge."""
@@ -35,6 +38,18 @@ def solve(fit: Fit) -> Array:
     start = np.concatenate([bodies, rotors, others])
     low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
     high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
+    x, converged = np.asarray(start, dtype=np.float64), False
+    for weight in WEIGHTS:
+        lighter = fit._replace(data=weight * fit.data, z=weight * fit.z)
+        x, converged = _searched(lighter, x, low, high)
+    if not converged:
+        remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
+        raise CutpointError(f"the search for physical bodies did not converge in {STEPS} steps: {remedy}")
+    return _unknowns(fit, x)
+
+
+def _searched(fit: Fit, start: Array, low: Array, high: Array) -> tuple[Array, bool]:
+    """Where a search between bounds ends, and whether it converged."""
     slopes: Any = partial(_slopes, fit)  # SciPy's stubs allow only names
     with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
         found = least_squares(
@@ -48,10 +63,7 @@ def solve(fit: Fit) -> Array:
             gtol=ENDS,
             max_nfev=STEPS,
         )
-    if not found.success:
-        remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
-        raise CutpointError(f"the search for physical bodies did not converge in {STEPS} steps: {remedy}")
-    return _unknowns(fit, found.x)
+    return np.asarray(found.x, dtype=np.float64), found.success
 
 
 def _factors(fit: Fit, x: Array) -> Array:
