@@ -127,6 +127,8 @@ def test_arguments_are_refused(backend, call, message):
             Drive(compliance=cast("Any", 1e4)),
             "joint 'joint2': compliance must be a Compliance, such as LinearSpring or Flexspline, got 10000.0",
         ),
+        (elastic(compliance=cast("Any", LinearSpring)), "must be a Compliance, .* got <class .*LinearSpring'>"),
+        (Drive(link_friction=cast("Any", Coulomb)), "link_friction must be a Friction, .* got <class .*Coulomb'>"),
         (elastic(compliance=HalfASpring()), "got a spring, which lacks deflection, energy"),
         (Drive(link_friction=Coulomb("1", 0.0, 0.1)), "joint 'joint2': coulomb must be a number, got '1'"),
         (cast("Any", 100.0), "joint 'joint2': its drive must be a Drive, got 100.0"),

@@ -1,5 +1,6 @@
 """A run that fails says when, where and why, and keeps what it had reached."""
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -29,6 +30,15 @@ def test_stiff_feedback_of_the_link_around_an_undamped_spring_diverges_and_says_
     assert log.time[-1] == time < 1.0
     assert len(log["q"]) == len(log.time) > 10
     assert np.isfinite(log["q"]).all()
+
+
+def test_a_run_that_diverges_says_first_that_its_reference_looks_like_degrees():
+    move = cycloid(np.array([10.0, 90.0, -60.0]), 0.5)
+    law = replace(LINK_SIDE, kp=LINK_SIDE.kp[:3], kd=LINK_SIDE.kd[:3])
+    told = r"diverged .*; the reference of 'joint2' reaches 90 rad, which looks like degrees: give radians .*lower the"
+    with pytest.raises(SimulationError, match=told):
+        simulate(ARM, law, move, substeps=4)
+    assert re.search(told, str(simulate_many(ARM, [law, law], move, substeps=4).errors[1]))
 
 
 @pytest.mark.parametrize("accuracy", ["standard", "reference"])

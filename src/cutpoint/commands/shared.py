@@ -16,7 +16,7 @@ from cutpoint.door import positive
 from cutpoint.errors import INTERRUPTED, InputError, counted
 from cutpoint.files import check_target_file, save_figure
 from cutpoint.joint_units import are_prismatic
-from cutpoint.model.validation import DEGREES_BEYOND
+from cutpoint.model.limits import looks_like_degrees
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -132,7 +132,7 @@ def positions_of(robot: cutpoint.Robot, option: str, text: str, degrees: bool) -
     """The same for positions.  Raises InputError for angles that look like degrees, without --degrees."""
     numbers = numbers_of(robot, option, text, degrees)
     for name, x in zip(robot.joints, numbers.tolist(), strict=True):
-        if abs(x) > DEGREES_BEYOND and not degrees and name not in robot.mechanism.sliding:
+        if not degrees and looks_like_degrees(robot.mechanism, name, x):
             told = f"joint {name!r}: position {x} looks like degrees; add --degrees (give many turns in degrees, too)"
             raise InputError(f"--{option}: {told}", joint=name)
     return numbers

@@ -51,6 +51,11 @@ def check_configuration(mechanism: Mechanism, q: Sequence[float]) -> None:
             raise InputError(f"joint {name!r}: {found}; this looks like {likeness}", joint=name, position=x)
 
 
+def looks_like_degrees(mechanism: Mechanism, name: str, x: float) -> bool:
+    """Whether a position of a driven joint, with limits or none, is beyond two turns; some joints do turn on and on."""
+    return abs(x) > DEGREES_BEYOND and name not in mechanism.sliding
+
+
 def looks_like_millimetres(x: float, limits: Limits) -> bool:
     """Whether a position of a joint that slides is far beyond its limits, m."""
     low, high = limits.lower, limits.upper

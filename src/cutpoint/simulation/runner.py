@@ -12,6 +12,7 @@ from cutpoint.control.interface import name_of, stepped
 from cutpoint.errors import TraceError
 from cutpoint.joint_units import at_joints
 from cutpoint.kernels import Program
+from cutpoint.model.limits import looks_like_degrees
 from cutpoint.reporting.bar import Bar
 from cutpoint.simulation.loop.loop import ClosedLoop
 from cutpoint.simulation.loop.step import TABLEAU
@@ -199,7 +200,17 @@ def diagnosis(loop: ClosedLoop, memory: dict[str, Array], done: int) -> str:
     else:
         found = "the state is not finite"
     remedy = "lower the gains (or the rates of a law that learns), check the sides they act on, or use more substeps"
-    return f"diverged at t = {done * loop.period:g} s: {found}; {remedy}"
+    return f"diverged at t = {done * loop.period:g} s: {found}; {_of_degrees(loop, memory['row'])}{remedy}"
+
+
+def _of_degrees(loop: ClosedLoop, rows: Array) -> str:
+    """What to say first of a reference that looks like degrees; nothing of others."""
+    furthest = np.abs(loop.layout.references(rows)[0]).max(axis=0)
+    for name, x in zip(loop.robot.drives, furthest.tolist(), strict=True):
+        if looks_like_degrees(loop.robot.mechanism, name, x):
+            told = f"the reference of {name!r} reaches {x:g} rad, which looks like degrees"
+            return f"{told}: give radians (numpy.radians); if it is no mistake, "
+    return ""
 
 
 def _odd_command(loop: ClosedLoop, command: Array, time: float) -> str:

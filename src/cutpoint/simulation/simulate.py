@@ -43,7 +43,7 @@ KINDS: dict[str, tuple[Any, str]] = {
     "robot": (Robot, A_ROBOT),
     "initial": ((State, NoneType), "a State, such as cutpoint.State(q=...)"),
     "sensors": ((Sensors, NoneType), "Sensors, such as cutpoint.Sensors(delay=1e-3)"),
-    "disturbances": ((Callable, NoneType), "a function of times (N,) that gives torques (N, nv)"),
+    "disturbances": ((Callable, NoneType), "a function of times (N,) that gives torques (N, nv), or (nv,)"),
     "channels": ((Collection, NoneType), "a collection of names"),
     "hold": ((bool, np.bool_), "True or False"),
 }
@@ -76,8 +76,8 @@ def simulate(
         leading its link by the static deflection, theta = q + delta(g(q)), at the link's speed; currents carry the
         gravity torques (zero without a controller), and strains are zero.
     sensors: encoders; perfect by default.
-    disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, (N, nv), N m, held
-        over each period.
+    disturbances: a function of the sample times (N,) that gives torques on the links' coordinates, N m, (N, nv), held
+        over each period, or constant ones, (nv,).
     accuracy: "standard", Runge-Kutta steps fit for 1e-4 rad in well-posed cases; "fine", for 1e-6; "reference",
         adaptive DOP853 at rtol 1e-12, slow.
     substeps: integration steps per control period; chosen automatically by default, and a StiffnessWarning then says if
