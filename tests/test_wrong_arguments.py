@@ -25,6 +25,7 @@ from robot_library import robot
 
 WRONG: list[Any] = [
     "abc", -1, 0, [], np.nan, np.inf, [np.nan] * 6, object(), {"a": 1}, True, None, np.zeros((2, 3)), 1e14, 1e300,
+    np.array(3.0), [[1.0, 2.0], [3.0]],
 ]  # fmt: skip
 
 ARM = robot("xia2019")

@@ -25,7 +25,11 @@ from robot_library import frictionless, robot
         ({"duration": 1.0, "disturbances": lambda t, q: 0}, r"disturbances must take \(times\), but takes \(t, q\)"),
         ({"duration": 1.0, "sensors": {}}, r"sensors must be Sensors, .* got {}"),
         ({"duration": 1.0, "channels": 3}, "channels must be a collection of names, got 3"),
-        ({"duration": 1.0, "channels": [3]}, "each of channels must be a channel's name, got 3"),
+        ({"duration": 1.0, "channels": [3]}, r"channels must be a collection of names, got \[3\]"),
+        (
+            {"duration": 1.0, "channels": np.array(3)},
+            r"channels must be a collection of names, got an array \(\) of int",
+        ),
         ({"duration": "1"}, "duration must be one number, s, got '1'"),
         ({"duration": True}, "duration must be one number, s, got True"),
         ({"duration": 1.0, "control_period": None}, "control_period must be one number, s, got None"),

@@ -19,7 +19,7 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     size: n, if known; a single number is then used for all.  positive: whether zero is refused as well.
     Raises InputError for invalid gains.
     """
-    array = np.atleast_1d(_array(law, name, value, "numbers, one for each drive"))
+    array = np.atleast_1d(numbers_or_traced(law, name, value, "numbers, one for each drive"))
     if is_traced(array):
         return array
     if array.ndim > 1:
@@ -35,7 +35,7 @@ def gains(law: str, name: str, value: Any, size: int | None = None, positive: bo
     return np.broadcast_to(array, size).astype(float)
 
 
-def _array(law: str, name: str, value: Any, rule: str) -> Any:
+def numbers_or_traced(law: str, name: str, value: Any, rule: str) -> Any:
     """The value as an array of floats, or of traced numbers.  Raises InputError.  rule: what it must be."""
     try:
         array = np.asarray(value)
@@ -54,7 +54,7 @@ def gain_matrices(law: str, name: str, value: Any, size: int) -> Any:
 
     Raises InputError where one is not positive definite, with its least eigenvalue.
     """
-    array = _array(law, name, value, "numbers")
+    array = numbers_or_traced(law, name, value, "numbers")
     if is_traced(array):
         return array
     if array.ndim == 0 or array.shape == (6,):

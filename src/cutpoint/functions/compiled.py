@@ -135,9 +135,11 @@ class RobotKernels:
 
     def with_parameters(self, parameters: Sequence[Any], lean: bool) -> Machine:
         """The machine, or the lean one, with these drive parameters."""
-        if len(parameters) != len(self.parameters):
+        shape = parameters.shape if isinstance(parameters, np.ndarray) else (len(parameters),)
+        if shape != (len(self.parameters),):
             rule = f"must be {len(self.parameters)} numbers, as drive_parameters"
-            raise InputError(f"machine_with: parameters {rule}, got {len(parameters)}")
+            found = f"shape {shape}" if len(shape) != 1 else shape[0]
+            raise InputError(f"machine_with: parameters {rule}, got {found}")
         new = dict(zip(self._drives, rebuild([*self._drives.values()], iter(parameters)), strict=True))
         if self._rotors_are_felt:
             return machine_of(self._mechanism, new, lean_framing(self._mechanism) if lean else None)

@@ -1,17 +1,16 @@
 """Modified robots: with a payload, or mounted elsewhere."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cutpoint.errors import ModelError, unknown_name
 from cutpoint.model.lumping import MassProperties, lumped, placed
 from cutpoint.model.mechanism import WORLD, Body, Frame, Link, Mechanism
 from cutpoint.model.places import Places
 from cutpoint.model.pose import is_rigid
-from cutpoint.model.validation import LARGEST_NUMBER, check_link, fault_of
+from cutpoint.model.validation import LARGEST_NUMBER, any_array, check_link, fault_of
 
 
 def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: ArrayLike, frame: str) -> Mechanism:
@@ -19,7 +18,7 @@ def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: Arr
     if not isinstance(frame, str) or frame not in mechanism.frames:
         raise unknown_name("frame", frame, mechanism.frames)
     place, nowhere = mechanism.frames[frame], Places(None)
-    link = Link("payload", mass, _array(com), _array(inertia))
+    link = Link("payload", mass, any_array(com), any_array(inertia))
     check_link(link, nowhere)
     if place.body == WORLD:
         raise ModelError(f"payload: frame {frame!r} is fixed to the world; name a frame that moves", frame=frame)
@@ -35,7 +34,7 @@ def with_payload(mechanism: Mechanism, mass: float, com: ArrayLike, inertia: Arr
 
 def with_base(mechanism: Mechanism, placement: ArrayLike) -> Mechanism:
     """The robot mounted elsewhere: placement (4, 4) of its base in the world."""
-    matrix = _array(placement)
+    matrix = any_array(placement)
     are_numbers = (
         matrix.shape == (4, 4) and matrix.dtype.kind in "fiu" and bool((np.abs(matrix) <= LARGEST_NUMBER).all())
     )
@@ -55,11 +54,3 @@ def _with_body(mechanism: Mechanism, index: int, body: Body) -> Mechanism:
     bodies = [*mechanism.bodies]
     bodies[index] = body
     return replace(mechanism, bodies=tuple(bodies))
-
-
-def _array(value: ArrayLike) -> NDArray[Any]:
-    """Any value as an array, left to later checks to refuse, even with rows of different lengths."""
-    try:
-        return np.asarray(value)
-    except ValueError:
-        return np.asarray(value, object)

@@ -9,9 +9,10 @@ micrometre.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cutpoint.arrays import Array
 from cutpoint.errors import listed, those_that_exist
@@ -211,7 +212,7 @@ def check_all_bear_mass(bodies: Sequence[Body], places: Places) -> None:
 
 
 def _check_numbers(thing: str, what: str, value: float | Array, shape: tuple[int, ...], places: Places) -> None:
-    found = np.asarray(value)
+    found = any_array(value)
     if found.shape != shape or found.dtype.kind not in "fiu":
         complaint = f"{what} must have shape {shape} and hold real numbers, got shape {found.shape} of {found.dtype}"
         raise places.error(thing, complaint, what=what, value=value)
@@ -226,3 +227,11 @@ def check_size(thing: str, what: str, value: float | Array, places: Places) -> N
         most = f"must not exceed {LARGEST_NUMBER:g} in SI units, beyond any machine"
         rule = f"{what} {most}, got {largest:g}; check its unit"
         raise places.error(thing, rule, what=what, value=value)
+
+
+def any_array(value: Any) -> NDArray[Any]:
+    """Any value as an array, left to later checks to refuse, even with rows of different lengths."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        return np.asarray(value, object)

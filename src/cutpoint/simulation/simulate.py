@@ -11,7 +11,7 @@ from cutpoint.control.interface import Control, name_of, start_of
 from cutpoint.control.own_law import check_encoders
 from cutpoint.control.sensors import Sensors, encoders_of
 from cutpoint.control.stability.sampled_loop import check_delays
-from cutpoint.door import check_choice, check_kind, check_takes, whole
+from cutpoint.door import check_choice, check_kind, check_takes, checked_names, whole
 from cutpoint.errors import InputError, SimulationError
 from cutpoint.robot import Robot
 from cutpoint.robot_arguments import A_ROBOT
@@ -137,8 +137,8 @@ def check_kinds(**given: Any) -> None:
     if isinstance(channels, str):
         rule = f"must be a collection of names: channels=[{channels!r}]"
         raise InputError(f"simulate: channels={channels!r} {rule}", name=channels)
-    for name in () if channels is None else channels:
-        check_kind("simulate", "each of channels", name, str, "a channel's name")
+    if channels is not None:
+        checked_names("simulate", channels, "channels", "a collection of names")
 
 
 def prepared(

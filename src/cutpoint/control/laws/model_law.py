@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from cutpoint.control.gains import motor_limits
+from cutpoint.control.gains import motor_limits, numbers_or_traced
 from cutpoint.control.interface import is_traced
 from cutpoint.control.law import Law
 from cutpoint.definitions import Machine
-from cutpoint.door import checked_numbers
 from cutpoint.errors import InputError
 from cutpoint.mechanics.drives.presliding import steady_sliding
 from cutpoint.model.drive import Drive
@@ -31,15 +30,16 @@ class ModelLaw(Law):
 
     def __post_init__(self) -> None:
         check_all_driven(type(self).__name__, self.robot, OF_LAWS)
-        own = self.robot.drive_parameters
+        own, who = self.robot.drive_parameters, type(self).__name__
         if self.parameters is None:
             self._set(parameters=own)
-        elif not is_traced(np.asarray(self.parameters)):
-            given = checked_numbers(type(self).__name__, "parameters", self.parameters)
+            return
+        rule = f"{own.size} numbers, as robot.drive_parameters"
+        given = numbers_or_traced(who, "parameters", self.parameters, rule)
+        if not is_traced(given):
             if given.shape != own.shape or np.isnan(given).any():
                 found = f"shape {given.shape}" if given.shape != own.shape else "NaN among them"
-                rule = f"must be {own.size} numbers, as robot.drive_parameters"
-                raise InputError(f"{type(self).__name__}: parameters {rule}, got {found}")
+                raise InputError(f"{who}: parameters must be {rule}, got {found}")
             self._set(parameters=given.copy())
 
     def _keep_torque_limit(self) -> None:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from cutpoint.control.gains import numbers_or_traced
 from cutpoint.control.interface import is_traced
 from cutpoint.errors import InputError
 from cutpoint.model.limits import look_like_degrees
@@ -38,11 +39,13 @@ def _stated(robot: Robot) -> dict[str, list[float]]:
 
 
 def _each(robot: Robot, name: str, value: Any) -> Any:
-    array, n = np.asarray(value), len(robot.drives)
+    n = len(robot.drives)
+    rule = f"numbers, one or one for each of {n} drives"
+    array = numbers_or_traced("Guard", name, value, rule)
     if is_traced(array):
         return array
-    if array.dtype.kind not in "biuf" or array.shape not in ((), (n,)) or np.isnan(array).any():
-        raise InputError(f"Guard: {name} {value} must be numbers, one or one for each of {n} drives", limit=name)
+    if array.shape not in ((), (n,)) or np.isnan(array).any():
+        raise InputError(f"Guard: {name} {value} must be {rule}", limit=name)
     return np.broadcast_to(array, n).astype(float)
 
 
