@@ -66,7 +66,7 @@ def test_an_unknown_channel_is_refused_and_the_known_are_listed():
 
 @pytest.mark.parametrize("name", [["q"], 3, None])
 def test_a_channel_is_asked_for_by_its_name(name: Any):
-    for ask in (example().__getitem__, example().plot):
+    for ask in (example().__getitem__, example().plot, example().columns):
         with pytest.raises(InputError, match=r"log: channel must be a name, such as 'q', got"):
             ask(name)
 

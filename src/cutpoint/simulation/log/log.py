@@ -118,8 +118,8 @@ class Log:
 
         Raises InputError for an unknown channel.
         """
-        unit = self.units[name] if name in self else ""
-        if self[name].ndim == 1:
+        values, unit = self[name], self.units[name]
+        if values.ndim == 1:
             return (("", str(unit)),)
         units = (unit,) * len(self.joints) if isinstance(unit, str) else unit
         return tuple(zip(self.joints, units, strict=True))
