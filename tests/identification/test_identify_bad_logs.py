@@ -195,7 +195,7 @@ def shuffled() -> dict[str, Array]:
         (
             lambda: channels() | {"q": np.zeros_like(TIME[:, None] * [1, 1])},
             "elbow",
-            r"no joint moves: q never change at",
+            r"no joint moves: q never changes at",
         ),
         (lambda: channels() | {"t": np.zeros_like(TIME)}, "elbow", r"q/torque: "),
     ],

@@ -56,7 +56,7 @@ def motion_of(robot: Robot, recording: Recording, cutoff: float | None = None) -
         raise InputError(f"the recording holds no positions, q or theta; there are: {', '.join(channels)}")
     _refuse_empty(robot, sides)
     if not any(travel(x) for positions in sides.values() for x in positions.T):
-        words = f"no joint moves: {' and '.join(sides)} never change at {listed(robot.joints)}"
+        words = f"no joint moves: {' and '.join(sides)} never change{'s' * (len(sides) == 1)} at {listed(robot.joints)}"
         raise InputError(f"{words}; record a motion, as of cutpoint excite, or map other channels")
     cutoff = noise_cutoff(np.column_stack([*sides.values()]), period) if cutoff is None else cutoff
     smooth = {name: _without_noise_at_rest(low_pass(x, period, cutoff)) for name, x in sides.items()}
