@@ -5,7 +5,7 @@ friction, which are single numbers, are bounded instead.
 """
 
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -17,7 +17,7 @@ from cutpoint.identification.rigid.physical_fit import Fit
 UPPER = np.triu_indices(4)
 DIAGONAL = np.flatnonzero(UPPER[0] == UPPER[1])
 
-ENDS = 1e-6
+ENDS = 1e-8
 """Relative change at which the search ends."""
 
 STEPS = 1000
@@ -25,8 +25,8 @@ STEPS = 1000
 CLEAR = 1e-6
 """Distance from the bound at which the search starts."""
 
-WEIGHTS = (1e-4, 1e-2, 1.0)
-"""Of the torques, one search from the end of another: where hardly any noise weighs them, the search stalls far off."""
+SEARCHES: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")
+"""One from the end of the other: the first stalls where torques are known well, the second creeps along bounds."""
 
 
 def solve(fit: Fit) -> Array:
@@ -39,16 +39,15 @@ def solve(fit: Fit) -> Array:
     low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
     high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
     x, converged = np.asarray(start, dtype=np.float64), False
-    for weight in WEIGHTS:
-        lighter = fit._replace(data=weight * fit.data, z=weight * fit.z)
-        x, converged = _searched(lighter, x, low, high)
+    for method in SEARCHES:
+        x, converged = _searched(fit, x, low, high, method)
     if not converged:
         remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
         raise CutpointError(f"the search for physical bodies did not converge in {STEPS} steps: {remedy}")
     return _unknowns(fit, x)
 
 
-def _searched(fit: Fit, start: Array, low: Array, high: Array) -> tuple[Array, bool]:
+def _searched(fit: Fit, start: Array, low: Array, high: Array, method: Literal["dogbox", "trf"]) -> tuple[Array, bool]:
     """Where a search between bounds ends, and whether it converged."""
     slopes: Any = partial(_slopes, fit)  # SciPy's stubs allow only names
     with np.errstate(over="ignore", invalid="ignore"):  # a step that is too long is rejected
@@ -57,7 +56,7 @@ def _searched(fit: Fit, start: Array, low: Array, high: Array) -> tuple[Array, b
             np.clip(start, low + CLEAR, high - CLEAR),
             slopes,
             (low, high),
-            method="dogbox",  # numbers at their bounds do not stop the others
+            method=method,
             ftol=ENDS,
             xtol=ENDS,
             gtol=ENDS,
