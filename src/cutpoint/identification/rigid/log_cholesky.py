@@ -25,9 +25,6 @@ STEPS = 1000
 CLEAR = 1e-6
 """Distance from the bound at which the search starts."""
 
-SEARCHES: tuple[Literal["dogbox", "trf"], ...] = ("dogbox", "trf")
-"""One from the end of the other: the first stalls where torques are known well, the second creeps along bounds."""
-
 
 def solve(fit: Fit) -> Array:
     """The unknowns of a fit, starting from the file's bodies.  Raises CutpointError if the search does not converge."""
@@ -35,12 +32,11 @@ def solve(fit: Fit) -> Array:
     # friction starts at least squares with all else as in the file
     files = _unknowns(fit, np.concatenate([bodies, rotors, others]))
     others = np.linalg.lstsq(fit.data[:, fit.first_other :], fit.z - fit.data @ files, rcond=None)[0]
-    start = np.concatenate([bodies, rotors, others])
+    start = np.concatenate([bodies, rotors, others], dtype=np.float64)
     low = np.concatenate([np.full_like(bodies, -np.inf), np.zeros_like(rotors), np.where(fit.positive, 0.0, -np.inf)])
     high = np.concatenate([np.full_like(bodies, np.inf), np.full_like(rotors, np.inf), fit.most])
-    x, converged = np.asarray(start, dtype=np.float64), False
-    for method in SEARCHES:
-        x, converged = _searched(fit, x, low, high, method)
+    near, _ = _searched(fit, start, low, high, "dogbox")  # may stall where torques are known well
+    x, converged = _searched(fit, near, low, high, "trf")  # from the start, would creep along bounds
     if not converged:
         remedy = "check the torques' and positions' units and signs, or try solver='lmi', --solver lmi"
         raise CutpointError(f"the search for physical bodies did not converge in {STEPS} steps: {remedy}")
